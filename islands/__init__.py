@@ -1,0 +1,1 @@
+"""Who decides: genetic algorithms, islands, the archipelago and the command line."""

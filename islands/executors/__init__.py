@@ -1,0 +1,1 @@
+"""Where islands run: in this process, or on Ray."""

@@ -1,0 +1,1 @@
+"""What can be done to a mesh, and how good it is."""

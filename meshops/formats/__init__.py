@@ -1,0 +1,1 @@
+"""Reading and writing meshes: one file a format."""

@@ -1,0 +1,1 @@
+"""The hot loops, compiled by numba: plain arrays in, plain arrays out."""

@@ -1,0 +1,1 @@
+"""Operations: one file each; every one returns an Edit and changes nothing."""
