@@ -1,0 +1,239 @@
+"""The command line. Heavy imports wait inside the commands, so that --help answers at once."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from islands.config import Config
+    from islands.run import Finished
+    from tracking.events import Recorder
+
+DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
+
+_PATH = click.Path(path_type=Path)
+_CRITERIA = click.option(
+    "--criteria",
+    metavar="FILE|paper|standard",
+    help="What counts as a good element: a built-in set, TOML, or HyperMesh's .criteria text.",
+)
+_SIZE = click.option(
+    "--size", type=float, metavar="L", help="Target element size; default: the median edge."
+)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="meshipelago")
+def cli() -> None:
+    """Repair shell meshes by evolving the repair procedure."""
+
+
+def main() -> None:
+    """Run a command; bad input ends with one sentence and exit code 2."""
+    from meshops.errors import InputError
+    from tracking.errors import TrackingError
+
+    try:
+        cli.main(standalone_mode=False)
+    except click.exceptions.Exit as stop:
+        sys.exit(stop.exit_code)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(BAD_INPUT)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("Interrupted.", err=True)
+        sys.exit(INTERRUPTED)
+    except (InputError, TrackingError) as error:
+        sentence = str(error)
+        click.echo(f"meshipelago: {sentence[:1].upper()}{sentence[1:]}", err=True)
+        sys.exit(BAD_INPUT)
+
+
+@cli.command()
+@click.argument("name", type=click.Choice(["plate"]))
+@click.option("--out", type=_PATH, required=True, help="The deck to write.")
+def example(name: str, out: Path) -> None:
+    """Write an example mesh; `plate` is the test piece of the paper."""
+    from meshops.examples import EXAMPLES
+
+    from meshops.formats import write_mesh
+
+    _refuse_to_overwrite(out)
+    write_mesh(EXAMPLES[name](), out)
+
+
+@cli.command()
+@click.argument("mesh", type=_PATH)
+@_CRITERIA
+@_SIZE
+@click.option("--json", "json_file", type=_PATH, help="Also write the report as JSON.")
+def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path | None) -> None:
+    """Print the QualityIndex of a mesh."""
+    import json
+
+    from islands.results import write_text
+    from meshops.criteria import load_criteria
+    from meshops.formats import read_deck
+    from meshops.quality import median_edge
+    from meshops.quality_index import quality_index
+
+    shells = read_deck(mesh).mesh
+    scoring = load_criteria(criteria or "standard").at(_positive(size) or median_edge(shells))
+    report = quality_index(shells, scoring)
+    click.echo(report.table())
+    if json_file:
+        write_text(json_file, json.dumps(report.to_json(), indent=1) + "\n")
+
+
+@cli.command()
+@click.argument("mesh", type=_PATH)
+@click.option("--out", type=_PATH, required=True, help="Folder for the results.")
+@click.option("--profile", type=click.Choice(["paper", "default"]), help="Settings to start from.")
+@click.option(
+    "--operation",
+    type=click.Choice(["remesh", "replace-node"]),
+    help="Run this operation GA alone, as in the paper's section 4.",
+)
+@click.option("--fitness", type=click.Choice(["trias", "quality"]))
+@_CRITERIA
+@_SIZE
+@click.option("--islands", type=int, metavar="N")
+@click.option("--population", type=int, metavar="N", help="Individuals on each island.")
+@click.option("--generations", type=int, metavar="N")
+@click.option("--seed", type=int, metavar="S")
+@click.option("--time-limit", type=float, metavar="SECONDS")
+@click.option("--backend", type=click.Choice(["local", "ray"]))
+@click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
+@click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
+@click.option("--config", "config_file", type=_PATH, metavar="FILE.toml")
+@click.option("--overwrite", is_flag=True, help="Write into a folder that is not empty.")
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def optimize(
+    mesh: Path,
+    out: Path,
+    config_file: Path | None,
+    *,
+    overwrite: bool,
+    quiet: bool,
+    **options: Any,
+) -> None:
+    """Evolve a repair procedure for a mesh and write the better mesh."""
+    from islands.config import load_config
+
+    given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    config = load_config(config_file, given)
+    done = _optimize(mesh, out, config, overwrite=overwrite, quiet=quiet)
+    click.echo(_closing_words(done, out))
+    if done.status == "interrupted":
+        sys.exit(INTERRUPTED)
+
+
+@cli.command()
+@click.argument("procedure", type=_PATH)
+@click.argument("mesh", type=_PATH)
+@click.option("--out", type=_PATH, required=True, help="The mesh to write.")
+def replay(procedure: Path, mesh: Path, out: Path) -> None:
+    """Perform a procedure again on the mesh that it was found on."""
+    from islands.replay import replay_file
+
+    _refuse_to_overwrite(out)
+    click.echo(replay_file(procedure, mesh, out))
+
+
+@cli.command()
+@click.argument("mesh", type=_PATH)
+@click.option("--out", type=_PATH, required=True, help="The PNG to write.")
+@_CRITERIA
+@_SIZE
+def picture(mesh: Path, out: Path, criteria: str | None, size: float | None) -> None:
+    """Draw a mesh, with its trias and failed elements in colour."""
+    from meshops.pictures import draw
+
+    from meshops.criteria import load_criteria
+    from meshops.formats import read_deck
+    from meshops.quality import median_edge
+
+    _refuse_to_overwrite(out)
+    shells = read_deck(mesh).mesh
+    scoring = load_criteria(criteria or "standard").at(_positive(size) or median_edge(shells))
+    draw(shells, scoring, out, title=mesh.name)
+
+
+@cli.command()
+@click.option("--port", type=click.IntRange(1, 65535), default=5000, show_default=True)
+def dashboard(port: int) -> None:
+    """Show the MLflow pages of the store in this folder, until Ctrl-C."""
+    from tracking.dashboard import serve_dashboard
+
+    sys.exit(serve_dashboard(port, announce=click.echo))
+
+
+def _optimize(source: Path, out: Path, config: Config, *, overwrite: bool, quiet: bool) -> Finished:
+    import signal
+    import time
+
+    from islands.results import prepare_folder, write_results
+    from islands.run import Job, run, start_executor
+    from meshops.criteria import load_criteria
+    from meshops.formats import read_deck
+
+    started = time.monotonic()
+    deck = read_deck(source)
+    job = Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
+    executor = start_executor(job, started + (config.time_limit or float("inf")))
+    try:
+        prepare_folder(out, overwrite=overwrite)
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # after Ray has set its own
+        recorder = _recorder(out, config, quiet=quiet)
+        try:
+            done = run(job, executor, recorder.record, started)
+            recorder.keep(write_results(out, job, deck, source, done))
+        finally:
+            recorder.close()
+    finally:
+        executor.close()
+    return done
+
+
+def _recorder(out: Path, config: Config, *, quiet: bool) -> Recorder:
+    from tracking.fanout import Fanout
+    from tracking.journal import Journal
+    from tracking.mlflow_recorder import MlflowRecorder
+    from tracking.progress import progress
+
+    recorders: list[Recorder] = [Journal(out)]
+    if not quiet:
+        recorders.append(progress(sys.stdout))
+    if config.track != "off":
+        recorders.append(MlflowRecorder(config.track, notify=_tell))
+    return Fanout(recorders)
+
+
+def _tell(sentence: str) -> None:
+    click.echo(sentence, err=True)
+
+
+def _closing_words(done: Finished, out: Path) -> str:
+    before, after = done.before, done.after
+    return (
+        f"{before.failed} failed elements -> {after.failed}, "
+        f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
+        f"{after.compound_qi:.2f}; {done.seconds:.1f} s. All files are in {out}."
+    )
+
+
+def _positive(size: float | None) -> float | None:
+    if size is not None and not 0 < size < float("inf"):
+        raise click.UsageError(f"--size is {size}: it must be above 0.")
+    return size
+
+
+def _refuse_to_overwrite(path: Path) -> None:
+    from meshops.errors import InputError
+
+    if path.exists():
+        raise InputError(f"{path} is there already; name another file with --out.")

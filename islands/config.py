@@ -1,0 +1,150 @@
+"""Config: every setting of a run, from a profile, a TOML file and the command line."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from islands.archipelago import Migration
+from islands.genetics import Breeding
+from meshops.errors import InputError
+from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
+
+PROFILES: Mapping[str, Mapping[str, Any]] = {
+    "default": {},
+    "paper": {
+        "fitness": "trias",
+        "criteria": "paper",
+        "islands": 1,
+        "population": 10,
+        "generations": 10,
+        "operation-population": 10,
+        "operation-generations": 10,
+        "elites": 0,
+        "scaling": "proportional",
+    },
+}
+"""What a profile sets other than `Config` does: ``paper`` has the settings of section 4.1."""
+
+ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
+"""What running one operation GA alone sets: the settings of section 4.1 for it."""
+
+
+class Config(BaseModel):
+    """All settings of a run; keys of a TOML file are written with dashes."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        alias_generator=lambda name: name.replace("_", "-"),
+        allow_inf_nan=False,
+    )
+
+    profile: Literal["default", "paper"] = "default"
+    operation: Literal["remesh", "replace-node"] | None = None
+    fitness: Literal["trias", "quality"] = "quality"
+    criteria: str = "standard"
+    size: float | None = Field(None, gt=0)
+    feature_angle: float = Field(30.0, gt=0, le=180)
+    islands: int = Field(2, ge=1)
+    population: int = Field(6, ge=2)
+    generations: int = Field(5, ge=0)
+    genes: int = Field(10, ge=1)
+    operation_population: int = Field(10, ge=2)
+    operation_generations: int = Field(5, ge=0)
+    crossover: float = Field(0.95, ge=0, le=1)
+    mutation: float = Field(0.05, ge=0, le=1)
+    elites: int = Field(1, ge=0)
+    scaling: Literal["proportional", "window"] = "window"
+    migrate_every: int = Field(2, ge=1)
+    migrants: int = Field(1, ge=0)
+    seed: int = Field(1, ge=0)
+    time_limit: float | None = Field(None, gt=0)
+    backend: Literal["local", "ray"] = "local"
+    address: str | None = None
+    track: str | None = None
+
+    @property
+    def operations(self) -> tuple[Operation, ...]:
+        """The operations of the profile."""
+        return PAPER_OPERATIONS if self.profile == "paper" else OPERATIONS
+
+    @property
+    def improving(self) -> bool:
+        """Whether an operation that gains nothing leaves the mesh as it is."""
+        return self.profile != "paper"
+
+    @property
+    def breeding(self) -> Breeding:
+        """Breeding of procedures, or of the one operation GA that runs alone."""
+        return self._breeding(self.population, self.generations)
+
+    @property
+    def operation_breeding(self) -> Breeding:
+        """Breeding of the operation GAs within the integration GA."""
+        return self._breeding(self.operation_population, self.operation_generations)
+
+    @property
+    def migration(self) -> Migration:
+        """When and how many individuals migrate."""
+        return Migration(self.migrate_every, self.migrants)
+
+    def flat(self) -> dict[str, str | int | float | bool]:
+        """All settings as the keys of a TOML file; those that are not set are left out."""
+        return self.model_dump(by_alias=True, exclude_none=True)
+
+    def _breeding(self, individuals: int, generations: int) -> Breeding:
+        return Breeding(
+            individuals=individuals,
+            generations=generations,
+            crossover=self.crossover,
+            mutation=self.mutation,
+            elites=min(self.elites, individuals),
+            scaling=self.scaling,
+        )
+
+
+def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
+    """Put a config together: the profile's settings, over them the file's, over them the user's.
+
+    Raises InputError with a sentence on the first mistake.
+    """
+    from_file = _read(file) if file else {}
+    chosen = {**from_file, **given}
+    profile = chosen.get("profile", "default")
+    base = dict(PROFILES.get(profile, {})) if isinstance(profile, str) else {}
+    if chosen.get("operation") is not None:
+        base.update(ALONE)
+    try:
+        config = Config.model_validate({**base, **chosen})
+    except ValidationError as error:
+        raise InputError(_sentence(error, file, given)) from None
+    if config.operation and (config.islands > 1 or config.backend == "ray"):
+        raise InputError(
+            "One operation GA alone runs as one population in one process; leave out --islands and "
+            "--backend ray, or --operation."
+        )
+    return config
+
+
+def _read(file: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{file} cannot be read: {error.strerror}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{file} is not TOML: {error}.") from None
+
+
+def _sentence(error: ValidationError, file: Path | None, given: Mapping[str, Any]) -> str:
+    first = error.errors()[0]
+    key = ".".join(str(part) for part in first["loc"])
+    if first["type"] == "extra_forbidden":
+        known = ", ".join(name.replace("_", "-") for name in Config.model_fields)
+        return f'{file}: there is no setting "{key}"; the settings are {known}.'
+    where = f"--{key}" if first["loc"][0] in given or file is None else f'{file}: "{key}"'
+    return f"{where} is {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}."

@@ -1,0 +1,92 @@
+"""Operation GA: evolves the parameters of one operation on one mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from islands.genetics import Breeding, next_generation
+from meshops.edit import Edit
+from meshops.mesh import Floats, Ids, Ints
+from meshops.operations import Operation, SearchSpace
+from meshops.workpiece import Workpiece
+
+
+@dataclass(frozen=True, eq=False)
+class Generation:
+    """One generation of an operation GA.
+
+    Attributes
+    ----------
+    number : int
+        From 0, the first drawn.
+    fitness : (P,) float64
+        Of its individuals; -inf where one makes no valid mesh.
+    best : (G,) int64
+        The fittest genome so far.
+    best_fitness : float
+    best_tally : (TALLY_SIZE,) float64
+    evaluations : int
+        Individuals scored so far.
+    """
+
+    number: int
+    fitness: Floats
+    best: Ids
+    best_fitness: float
+    best_tally: Floats
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Evolved:
+    """What an operation GA found on a mesh; no parameters: the mesh stays as it is."""
+
+    parameters: Ints
+    edit: Edit
+    evaluations: int
+
+
+def generations(
+    space: SearchSpace, workpiece: Workpiece, breeding: Breeding, rng: np.random.Generator
+) -> Iterator[Generation]:
+    """Evolve genomes of a search space: the first generation and those that follow from it."""
+    genomes = space.draw(rng, breeding.individuals)
+    best, best_fitness, best_tally = genomes[0], -np.inf, workpiece.tally
+    for number in range(breeding.generations + 1):
+        tallies = space.evaluate(genomes)
+        fitness = workpiece.fitness(tallies)
+        top = int(np.argmax(fitness))
+        if fitness[top] > best_fitness:
+            best, best_fitness, best_tally = genomes[top], float(fitness[top]), tallies[top]
+        evaluations = (number + 1) * breeding.individuals
+        yield Generation(number, fitness, best, best_fitness, best_tally, evaluations)
+        genomes = next_generation(genomes, fitness, space.bounds, breeding, rng)
+
+
+def evolve(
+    operation: Operation,
+    workpiece: Workpiece,
+    breeding: Breeding,
+    rng: np.random.Generator,
+    *,
+    improving: bool,
+) -> Evolved:
+    """Run the operation GA and make the edit of its fittest genome.
+
+    With `improving`, a mesh that no genome makes fitter stays as it is; without, the fittest valid
+    genome is applied even where it does harm, as in the paper.
+    """
+    space = operation.search_space(workpiece, rng)
+    nothing = np.zeros((0, 2), np.int32)
+    if space is None:
+        return Evolved(nothing, Edit(), 0)
+    *_, last = generations(space, workpiece, breeding, rng)
+    fit = np.isfinite(last.best_fitness) and (
+        not improving or workpiece.is_fitter_by(last.best_tally - workpiece.tally)
+    )
+    parameters = space.parameters(last.best) if fit else nothing
+    edit = operation.apply(workpiece, parameters)
+    return Evolved(nothing if edit.is_empty else parameters, edit, last.evaluations)

@@ -1,0 +1,80 @@
+"""Results: the files that a run leaves in its folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from meshops.pictures import draw
+
+from islands.run import Finished, Job, summary
+from meshops.errors import InputError
+from meshops.formats import Deck, write_mesh
+from meshops.quality import element_index
+
+
+def prepare_folder(folder: Path, *, overwrite: bool) -> None:
+    """Make the run folder; raises InputError where it is in use and may not be overwritten."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder} is a file; name another folder with --out.")
+    if folder.is_dir() and any(folder.iterdir()) and not overwrite:
+        raise InputError(
+            f"{folder} is not empty; name another folder with --out, or say --overwrite."
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder} cannot be made: {error.strerror}.") from None
+
+
+def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finished) -> list[Path]:
+    """Write all files of a finished run; each whole, under its name when it is complete.
+
+    Returns the files, the ones for the dashboard.
+    """
+    scoring = job.problem.setting.scoring
+    operations = job.problem.operations
+    deck.write(done.mesh, folder / source.name)
+    write_mesh(
+        done.mesh,
+        folder / "mesh.vtu",
+        cell_data={"element Q.I.": element_index(done.mesh, scoring)},
+    )
+    texts = {
+        "procedure.json": done.procedure.to_json(operations),
+        "procedure.txt": done.text + "\n",
+        "quality_before.txt": done.before.table() + "\n",
+        "quality_after.txt": done.after.table() + "\n",
+        "result.json": json.dumps(result_document(job, done), indent=1) + "\n",
+    }
+    for name, text in texts.items():
+        write_text(folder / name, text)
+    draw(job.mesh, scoring, folder / "before.png", title=f"{job.name} before")
+    draw(done.mesh, scoring, folder / "after.png", title=f"{job.name} after")
+    return [*(folder / name for name in texts), folder / "before.png", folder / "after.png"]
+
+
+def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
+    """Make what result.json holds."""
+    return {
+        "seed": job.config.seed,
+        "backend": job.config.backend,
+        "status": done.status,
+        "seconds": round(done.seconds, 3),
+        "evaluations": done.evaluations,
+        "before": asdict(summary(done.before)),
+        "after": asdict(summary(done.after)),
+        "fitness": done.fitness,
+        "procedure": done.text,
+        "digest": done.mesh.digest,
+    }
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole: under another name first, then renamed."""
+    partial = path.with_name(f".{path.name}.part")
+    partial.write_text(text, encoding="utf-8")
+    partial.replace(path)

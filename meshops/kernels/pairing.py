@@ -1,0 +1,265 @@
+"""Pairing trias to quads: a matching of the trias' adjacency graph."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from meshops.mesh import Bools, Floats, Ints
+
+
+@njit(cache=True)
+def tria_neighbours(trias: Ints, nodes: int) -> Ints:
+    """(T, 3) int32: the tria across side k (node k to node k + 1), or -1."""
+    count = len(trias)
+    neighbours = np.full((count, 3), -1, np.int32)
+    start = np.zeros(nodes + 1, np.int32)
+    for t in range(count):
+        for k in range(3):
+            start[trias[t, k] + 1] += 1
+    for n in range(nodes):
+        start[n + 1] += start[n]
+    fill = start[:-1].copy()
+    sides = np.empty(3 * count, np.int32)
+    for t in range(count):
+        for k in range(3):
+            node = trias[t, k]
+            sides[fill[node]] = 3 * t + k
+            fill[node] += 1
+    for t in range(count):
+        for k in range(3):
+            a, b = trias[t, k], trias[t, (k + 1) % 3]
+            for i in range(start[b], start[b + 1]):
+                other, side = sides[i] // 3, sides[i] % 3
+                if trias[other, (side + 1) % 3] == a:
+                    neighbours[t, k] = other
+    return neighbours
+
+
+@njit(cache=True)
+def _quad_shape(points: Floats, a: int, b: int, c: int, d: int) -> float:
+    """Shape of quad abcd in [-1, 1]: its worst corner's sine, 1 for a rectangle."""
+    nx = ny = nz = 0.0
+    p, q, r, s = points[a], points[b], points[c], points[d]
+    ux, uy, uz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    vx, vy, vz = s[0] - q[0], s[1] - q[1], s[2] - q[2]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    size = np.sqrt(nx * nx + ny * ny + nz * nz)
+    if size <= 0.0:
+        return -1.0
+    worst = 1.0
+    for k in range(4):
+        if k == 0:
+            o, f, g = p, q, s
+        elif k == 1:
+            o, f, g = q, r, p
+        elif k == 2:
+            o, f, g = r, s, q
+        else:
+            o, f, g = s, p, r
+        ux, uy, uz = f[0] - o[0], f[1] - o[1], f[2] - o[2]
+        vx, vy, vz = g[0] - o[0], g[1] - o[1], g[2] - o[2]
+        cross = (
+            (uy * vz - uz * vy) * nx + (uz * vx - ux * vz) * ny + (ux * vy - uy * vx) * nz
+        ) / size
+        lengths = np.sqrt((ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz))
+        if lengths <= 0.0:
+            return -1.0
+        worst = min(worst, cross / lengths)
+    return worst
+
+
+@njit(cache=True)
+def pair_shapes(points: Floats, trias: Ints, neighbours: Ints) -> Floats:
+    """(T, 3) float64: shape of the quad that tria t makes with its neighbour across side k.
+
+    Sides without a neighbour have -2.
+    """
+    shapes = np.full(trias.shape, -2.0)
+    for t in range(len(trias)):
+        for k in range(3):
+            other = neighbours[t, k]
+            if other < t:
+                continue
+            a, b = trias[t, k], trias[t, (k + 1) % 3]
+            opposite = trias[t, (k + 2) % 3]
+            for side in range(3):
+                if neighbours[other, side] == t and trias[other, side] == b:
+                    apex = trias[other, (side + 2) % 3]
+                    shapes[t, k] = _quad_shape(points, a, apex, b, opposite)
+                    shapes[other, side] = shapes[t, k]
+    return shapes
+
+
+@njit(cache=True)
+def match_greedily(neighbours: Ints, shapes: Floats, least: float) -> Ints:
+    """Pair neighbours by falling shape down to `least`; (T,) int32 mate of each tria or -1."""
+    count = len(neighbours)
+    mate = np.full(count, -1, np.int32)
+    flat = shapes.ravel()
+    order = np.argsort(-flat, kind="mergesort")
+    for i in order:
+        if flat[i] < least:
+            break
+        t, other = i // 3, neighbours[i // 3, i % 3]
+        if other >= 0 and mate[t] < 0 and mate[other] < 0:
+            mate[t] = other
+            mate[other] = t
+    return mate
+
+
+@njit(cache=True)
+def _base_of_both(base: Ints, parent: Ints, mate: Ints, a: int, b: int, mark: Ints) -> int:
+    mark[:] = 0
+    while True:
+        a = base[a]
+        mark[a] = 1
+        if mate[a] < 0:
+            break
+        a = parent[mate[a]]
+    while True:
+        b = base[b]
+        if mark[b]:
+            return b
+        b = parent[mate[b]]
+
+
+@njit(cache=True)
+def _mark_path(
+    base: Ints, parent: Ints, mate: Ints, in_blossom: Ints, v: int, stem: int, child: int
+) -> None:
+    while base[v] != stem:
+        in_blossom[base[v]] = 1
+        in_blossom[base[mate[v]]] = 1
+        parent[v] = child
+        child = mate[v]
+        v = parent[mate[v]]
+
+
+@njit(cache=True)
+def match_completely(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
+    """Augment a matching to one of greatest cardinality (Edmonds' blossom algorithm, 1965).
+
+    Better shapes are tried first. Changes and returns `mate`, (T,) int32.
+    """
+    count = len(neighbours)
+    base = np.empty(count, np.int32)
+    parent = np.empty(count, np.int32)
+    in_tree = np.empty(count, np.int32)
+    in_blossom = np.empty(count, np.int32)
+    mark = np.empty(count, np.int32)
+    queue = np.empty(count, np.int32)
+    order = np.empty(neighbours.shape, np.int32)
+    for t in range(count):
+        order[t] = np.argsort(-shapes[t], kind="mergesort")
+    for root in range(count):
+        if mate[root] >= 0:
+            continue
+        for t in range(count):
+            base[t] = t
+        parent[:] = -1
+        in_tree[:] = 0
+        in_tree[root] = 1
+        queue[0] = root
+        head, tail = 0, 1
+        end = -1
+        while head < tail and end < 0:
+            v = queue[head]
+            head += 1
+            for j in range(3):
+                to = neighbours[v, order[v, j]]
+                if to < 0 or base[v] == base[to] or mate[v] == to:
+                    continue
+                if to == root or (mate[to] >= 0 and parent[mate[to]] >= 0):
+                    stem = _base_of_both(base, parent, mate, v, to, mark)
+                    in_blossom[:] = 0
+                    _mark_path(base, parent, mate, in_blossom, v, stem, to)
+                    _mark_path(base, parent, mate, in_blossom, to, stem, v)
+                    for t in range(count):
+                        if in_blossom[base[t]]:
+                            base[t] = stem
+                            if not in_tree[t]:
+                                in_tree[t] = 1
+                                queue[tail] = t
+                                tail += 1
+                elif parent[to] < 0:
+                    parent[to] = v
+                    if mate[to] < 0:
+                        end = to
+                        break
+                    in_tree[mate[to]] = 1
+                    queue[tail] = mate[to]
+                    tail += 1
+        while end >= 0:
+            before = parent[end]
+            following = mate[before]
+            mate[end] = before
+            mate[before] = end
+            end = following
+    return mate
+
+
+@njit(cache=True)
+def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
+    """(M, 4) int32 elements: a quad for each pair, a tria (-1 last) for each that is alone."""
+    elements = np.full((len(trias), 4), -1, np.int32)
+    count = 0
+    for t in range(len(trias)):
+        other = mate[t]
+        if other < 0:
+            elements[count, :3] = trias[t]
+            count += 1
+        elif other > t:
+            for k in range(3):
+                if neighbours[t, k] == other:
+                    a, b = trias[t, k], trias[t, (k + 1) % 3]
+                    for side in range(3):
+                        if trias[other, side] == b and trias[other, (side + 1) % 3] == a:
+                            elements[count, 0] = a
+                            elements[count, 1] = trias[other, (side + 2) % 3]
+                            elements[count, 2] = b
+                            elements[count, 3] = trias[t, (k + 2) % 3]
+                    break
+            count += 1
+    return elements[:count].copy()
+
+
+@njit(cache=True)
+def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
+    """Split the chosen quads along their better diagonal.
+
+    Returns (M', 4) int32 elements, all others as they are; the two trias of a quad take its place.
+    """
+    result = np.full((2 * len(elements), 4), -1, np.int32)
+    count = 0
+    for e in range(len(elements)):
+        a, b, c, d = elements[e]
+        if d < 0 or not chosen[e]:
+            result[count] = elements[e]
+            count += 1
+            continue
+        if min(_tria_shape(points, a, b, c), _tria_shape(points, a, c, d)) >= min(
+            _tria_shape(points, a, b, d), _tria_shape(points, b, c, d)
+        ):
+            result[count, 0], result[count, 1], result[count, 2] = a, b, c
+            result[count + 1, 0], result[count + 1, 1], result[count + 1, 2] = a, c, d
+        else:
+            result[count, 0], result[count, 1], result[count, 2] = a, b, d
+            result[count + 1, 0], result[count + 1, 1], result[count + 1, 2] = b, c, d
+        count += 2
+    return result[:count].copy()
+
+
+@njit(cache=True)
+def _tria_shape(points: Floats, a: int, b: int, c: int) -> float:
+    """Area over the sum of squared sides: greatest for the regular tria."""
+    p, q, r = points[a], points[b], points[c]
+    ux, uy, uz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
+    vx, vy, vz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    wx, wy, wz = vx - ux, vy - uy, vz - uz
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    sides = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz
+    if sides <= 0.0:
+        return 0.0
+    shape: float = np.sqrt(nx * nx + ny * ny + nz * nz) / sides
+    return shape

@@ -1,0 +1,124 @@
+"""Patch: the one way out of a mesh and back into it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshops.edit import Edit
+from meshops.kernels.patches import cut, label_components
+from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
+from meshops.topology import Topology
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Connected elements of one region, cut out along every barrier.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Patch nodes; those of the border come first.
+    elements : (m, 4) int32
+        The elements on patch nodes.
+    border : (b, 2) int32
+        Border edges, each in the direction of its element.
+    border_nodes : int
+        How many of the patch nodes are on the border.
+    rows : (m,) int32
+        The mesh row of each element.
+    nodes : (n,) int32
+        The mesh row of each node. A node on a slit has two patch nodes.
+    region : int
+    """
+
+    points: Floats
+    elements: Ints
+    border: Ints
+    border_nodes: int
+    rows: Ints
+    nodes: Ints
+    region: int
+
+
+def components(topology: Topology, selected: Bools) -> list[Ints]:
+    """Split a selection of elements, (M,) bool, into patches that can be cut out.
+
+    Elements that must stay are left out. Each is a list of element rows, ascending.
+    """
+    label = label_components(
+        topology.element_edges,
+        topology.edge_elements,
+        topology.crossable,
+        selected & topology.editable,
+    )
+    chosen = np.nonzero(label >= 0)[0].astype(np.int32)
+    if not len(chosen):
+        return []
+    order = np.argsort(label[chosen], kind="stable")
+    ends = np.cumsum(np.bincount(label[chosen]))[:-1]
+    return np.split(chosen[order], ends)
+
+
+def extract(topology: Topology, rows: Ints) -> Patch:
+    """Cut out one component; `rows` ascending."""
+    mesh = topology.mesh
+    elements, nodes, border = cut(
+        rows,
+        mesh.elements,
+        topology.element_edges,
+        topology.edge_elements,
+        topology.crossable,
+        np.full(len(mesh.elements), -1, np.int32),
+    )
+    return Patch(
+        points=mesh.points[nodes],
+        elements=elements,
+        border=border,
+        border_nodes=int(border.max()) + 1 if len(border) else 0,
+        rows=rows,
+        nodes=nodes,
+        region=int(mesh.region[rows[0]]),
+    )
+
+
+def stitch(mesh: ShellMesh, patch: Patch, points: Floats, elements: Ints) -> Edit:
+    """Put other elements in the place of a patch.
+
+    `points` are the new inner nodes; `elements` name border nodes by their patch row, and inner
+    ones from ``patch.border_nodes`` on.
+    """
+    rows = np.concatenate(
+        [
+            patch.nodes[: patch.border_nodes],
+            np.arange(len(mesh.points), len(mesh.points) + len(points), dtype=np.int32),
+        ]
+    )
+    return Edit(
+        removed=patch.rows,
+        added_points=points,
+        added_elements=np.where(elements == NO_NODE, np.int32(NO_NODE), rows[elements]),
+        added_region=np.full(len(elements), patch.region, np.int32),
+    )
+
+
+def join(mesh: ShellMesh, edits: list[Edit]) -> Edit:
+    """One edit of several that replace different patches of the same mesh."""
+    if len(edits) == 1:
+        return edits[0]
+    if not edits:
+        return Edit()
+    n = len(mesh.points)
+    shifts = np.cumsum([0] + [len(e.added_points) for e in edits[:-1]], dtype=np.int32)
+    return Edit(
+        removed=np.concatenate([e.removed for e in edits]),
+        added_points=np.concatenate([e.added_points for e in edits]),
+        added_elements=np.concatenate(
+            [
+                np.where(e.added_elements >= n, e.added_elements + shift, e.added_elements)
+                for e, shift in zip(edits, shifts, strict=True)
+            ]
+        ),
+        added_region=np.concatenate([e.added_region for e in edits]),
+    )

@@ -1,0 +1,212 @@
+"""The QualityIndex report: how a mesh stands by each criterion, and its compound Q.I."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from meshops.criteria import LENGTHS, NAMES, Scoring
+from meshops.kernels import quality as kernel
+from meshops.mesh import NEW, Floats, ShellMesh
+from meshops.quality import element_values, failing_penalties, index_of_penalties
+
+SHOWN = 3
+"""How many of the worst elements a row names."""
+
+
+@dataclass(frozen=True)
+class CriterionRow:
+    """How the mesh stands by one criterion; None where there is nothing to say.
+
+    Attributes
+    ----------
+    number : int
+        Place in the report, from 1.
+    name : str
+    active : bool
+    failure : float
+        Value beyond which an element fails.
+    percent_failed : float or None
+        Of the elements that the criterion applies to.
+    worst : float or None
+        Worst value; infinite for the aspect ratio of an element with an edge of no length.
+    index : float or None
+        Mean penalty of the elements that pass plus the sum of those of the elements that fail.
+    worst_elements : up to three str
+        Deck ids of the worst failing elements; an element that is new has its place in the mesh,
+        from 1, and a star.
+    """
+
+    number: int
+    name: str
+    active: bool
+    failure: float
+    percent_failed: float | None = None
+    worst: float | None = None
+    index: float | None = None
+    worst_elements: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class QualityIndex:
+    """The report on a mesh.
+
+    Attributes
+    ----------
+    criteria : str
+        Name of the criteria set.
+    size : float
+        Target element size.
+    rows : thirteen CriterionRow
+    compound_qi : float
+        Weighted mean over the criteria that pass plus the weighted sum over those that fail: it
+        grows with the number of failed elements.
+    mean_element_qi : float
+        Mean Q.I. of an element, which compares across meshes; 0 for no element.
+    elements, quads, trias, failed : int
+    percent_trias : float
+    """
+
+    criteria: str
+    size: float
+    rows: tuple[CriterionRow, ...]
+    compound_qi: float
+    mean_element_qi: float
+    elements: int
+    quads: int
+    trias: int
+    failed: int
+    percent_trias: float
+
+    def table(self) -> str:
+        """Return the report as text, in the layout of the paper's Figure 5."""
+        head = ["#", "Criterion", "Failure criteria", "% failed", "Worst", "Q.I."]
+        head += [f"Worst elemId{i}" for i in range(1, SHOWN + 1)]
+        cells = [head, *(self._cells(row) for row in self.rows)]
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        lines = [
+            "  ".join(
+                cell.ljust(width) if place < 2 else cell.rjust(width)
+                for place, (cell, width) in enumerate(zip(line, widths, strict=True))
+            )
+            for line in cells
+        ]
+        closing = {
+            "compound Q.I. =": f"{self.compound_qi:.2f}",
+            "# of quads =": str(self.quads),
+            "# of trias =": str(self.trias),
+            "% trias =": f"{self.percent_trias:.2f}",
+            "# of failed =": str(self.failed),
+            "mean element Q.I. =": f"{self.mean_element_qi:.2f}",
+        }
+        edge = sum(widths[:3]) + 4
+        lines += [label + value.rjust(edge - len(label)) for label, value in closing.items()]
+        return "".join(line.rstrip() + "\n" for line in lines)
+
+    def to_json(self) -> dict[str, object]:
+        """Return the report as what json can write; None for a number that is not finite."""
+        return {
+            "criteria": self.criteria,
+            "size": self.size,
+            "elements": self.elements,
+            "quads": self.quads,
+            "trias": self.trias,
+            "failed": self.failed,
+            "percent_trias": self.percent_trias,
+            "compound_qi": self.compound_qi,
+            "mean_element_qi": self.mean_element_qi,
+            "rows": [
+                {key: _finite(value) for key, value in asdict(row).items()} for row in self.rows
+            ],
+        }
+
+    def _cells(self, row: CriterionRow) -> list[str]:
+        # lengths keep three significant digits of the target size, however small the unit
+        decimals = max(2, 2 - math.floor(math.log10(self.size))) if row.name in LENGTHS else 2
+        numbers = [
+            "" if value is None else f"{value:.{places}f}"
+            for value, places in (
+                (row.failure, decimals),
+                (row.percent_failed, 2),
+                (row.worst, decimals),
+                (row.index, 2),
+            )
+        ]
+        ids = [*row.worst_elements, *[""] * (SHOWN - len(row.worst_elements))]
+        return [str(row.number), row.name, *numbers, *ids]
+
+
+def quality_index(
+    mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | None = None
+) -> QualityIndex:
+    """Report on a mesh by all active criteria.
+
+    Chordal deviation is looked at where a reference surface is given and the criterion is active.
+    """
+    scoring = replace(scoring, with_reference=reference is not None)
+    values = element_values(mesh, scoring, reference)
+    penalties = kernel.penalise(values, *scoring.arrays)
+    tally = kernel.tally_values(values, mesh.is_tria, *scoring.arrays)
+    rows = [
+        _element_row(mesh, scoring, c, values[:, c], penalties[:, c], tally)
+        for c in range(kernel.CRITERIA)
+    ]
+    element_qi = index_of_penalties(penalties, scoring)
+    return QualityIndex(
+        criteria=scoring.criteria.name,
+        size=scoring.size,
+        rows=(*rows, _trias_row(scoring, tally)),
+        compound_qi=float(kernel.compound_index(tally, *scoring.arrays)),
+        mean_element_qi=float(element_qi.mean()) if len(element_qi) else 0.0,
+        elements=int(tally[kernel.ELEMENTS]),
+        quads=int(tally[kernel.QUADS]),
+        trias=int(tally[kernel.TRIAS]),
+        failed=int(tally[kernel.FAILED]),
+        percent_trias=float(kernel.percent_trias(tally)),
+    )
+
+
+def _element_row(
+    mesh: ShellMesh, scoring: Scoring, c: int, values: Floats, penalties: Floats, tally: Floats
+) -> CriterionRow:
+    row = _blank_row(scoring, c)
+    measured = np.flatnonzero(~np.isnan(penalties))
+    if not len(measured):
+        return row
+    badness = values if scoring.levels[c, 4] > scoring.levels[c, 0] else -values
+    failed = np.flatnonzero(failing_penalties(penalties, scoring))
+    worst = failed[np.argsort(-badness[failed], kind="stable")[:SHOWN]]
+    return replace(
+        row,
+        percent_failed=100.0 * len(failed) / len(measured),
+        worst=float(values[measured[np.argmax(badness[measured])]]),
+        index=float(kernel.criterion_index(tally, c)),
+        worst_elements=tuple(_label(mesh, element) for element in worst),
+    )
+
+
+def _trias_row(scoring: Scoring, tally: Floats) -> CriterionRow:
+    row = _blank_row(scoring, kernel.PERCENT_TRIAS)
+    if not row.active:
+        return row
+    percent = float(kernel.percent_trias(tally))
+    index = kernel.penalty(percent, scoring.levels[kernel.PERCENT_TRIAS], scoring.penalties)
+    failing = bool(failing_penalties(index, scoring))
+    return replace(row, percent_failed=100.0 * failing, worst=percent, index=float(index))
+
+
+def _blank_row(scoring: Scoring, c: int) -> CriterionRow:
+    return CriterionRow(
+        c + 1, NAMES[c], active=bool(scoring.active[c]), failure=float(scoring.levels[c, 3])
+    )
+
+
+def _label(mesh: ShellMesh, element: int) -> str:
+    known = int(mesh.element_ids[element])
+    return f"{element + 1}*" if known == NEW else str(known)
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,106 @@
+"""The surface that a patch lies on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshops.kernels.pairing import split_quads
+from meshops.kernels.smoothing import mean_normals
+from meshops.kernels.surface import bounding_spheres, nearest
+from meshops.mesh import Floats, Ints
+from meshops.patch import Patch
+
+PLANE_TOLERANCE = 1e-9
+"""Of the patch's extent: nodes nearer to a common plane count as on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class PatchSurface:
+    """The surface that a patch had before it was remeshed.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+    trias : (t, 3) int32
+        The patch with its quads split.
+    area : float
+    plane : (3,) float64 or None
+        The unit normal of a patch that is plane.
+    """
+
+    points: Floats
+    trias: Ints
+    area: float
+    plane: Floats | None
+
+    @classmethod
+    def of(cls, patch: Patch) -> PatchSurface:
+        """Split the patch and see whether it is plane."""
+        trias = split_quads(patch.points, patch.elements, np.ones(len(patch.elements), bool))
+        trias = np.ascontiguousarray(trias[:, :3])
+        corners = patch.points[trias]
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        total = areas.sum(axis=0)
+        size = float(np.linalg.norm(total))
+        plane = None
+        if size > 0:
+            normal = total / size
+            offset = (patch.points - patch.points[0]) @ normal
+            extent = float(np.ptp(patch.points, axis=0).max())
+            if np.abs(offset).max() <= PLANE_TOLERANCE * extent and (areas @ normal > 0).all():
+                plane = normal
+        return cls(patch.points, trias, float(np.linalg.norm(areas, axis=1).sum() / 2), plane)
+
+    def mean_edge(self, patch: Patch) -> float:
+        """Edge of a square of the mean area, counting a tria as half a quad."""
+        trias = np.count_nonzero(patch.elements[:, 3] < 0)
+        return float(np.sqrt(self.area / (len(patch.elements) - trias / 2)))
+
+    def project(self, points: Floats, first: int) -> None:
+        """Bring the nodes from row `first` on back to the surface, in place."""
+        inner = points[first:]
+        if not len(inner):
+            return
+        if self.plane is not None:
+            inner -= np.outer((inner - self.points[0]) @ self.plane, self.plane)
+        else:
+            inner[:] = self._nearest(inner)[0]
+
+    def normals_at(self, points: Floats, elements: Ints, tolerance: float) -> Floats | None:
+        """(M, 3) surface normals under each element; None where one is farther off."""
+        if self.plane is not None:
+            return np.broadcast_to(self.plane, (len(elements), 3))
+        _, distance, tria = self._nearest(_centres(points, elements))
+        if distance.max() > tolerance:
+            return None
+        normals: Floats = mean_normals(self.points, self.trias)[tria]
+        return normals
+
+    def is_covered(self, patch: Patch, points: Floats, elements: Ints, tolerance: float) -> bool:
+        """Whether the new elements cover the surface: the same area, no old node left behind."""
+        trias = split_quads(points, elements, np.ones(len(elements), bool))[:, :3]
+        trias = np.ascontiguousarray(trias)
+        corners = points[trias]
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        area = float(np.linalg.norm(areas, axis=1).sum() / 2)
+        if self.plane is not None:
+            return abs(area - self.area) <= 1e-9 * self.area
+        old = patch.points[patch.border_nodes :]
+        if not len(old):
+            return True
+        distance = nearest(old, points, trias, bounding_spheres(points, trias))[1]
+        return bool(distance.max() <= tolerance)
+
+    def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
+        spheres = bounding_spheres(self.points, self.trias)
+        found: tuple[Floats, Floats, Ints] = nearest(queries, self.points, self.trias, spheres)
+        return found
+
+
+def _centres(points: Floats, elements: Ints) -> Floats:
+    corners = points[elements]
+    tria = elements[:, 3] < 0
+    corners[tria, 3] = 0.0
+    return corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]

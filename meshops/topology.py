@@ -1,0 +1,182 @@
+"""Topology: edges of a mesh, and which of them no operation may cross."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from meshops.kernels.patches import cut, label_components
+from meshops.mesh import Bools, Floats, Ints, ShellMesh
+
+FEATURE_ANGLE = 30.0
+"""Degrees between the normals of two elements from which their edge counts as a feature."""
+
+
+@dataclass(frozen=True, eq=False)
+class Topology:
+    """The edges of a mesh and the barriers among them.
+
+    Attributes
+    ----------
+    edges : (E, 2) int32
+        Node rows of each edge, the smaller first.
+    element_edges : (M, 4) int32
+        The edge of each element side (side k runs from node k to node k + 1); -1 fourth for a tria.
+    edge_elements : (E, 2) int32
+        The two elements of an edge that has exactly two; elsewhere -1.
+    uses : (E,) int32
+        How many elements meet at an edge: 1 on the border, 3 and more at a T-junction.
+    crossable : (E,) bool
+        Edges that an operation may cross. All others are barriers: borders, T-junctions, edges
+        between regions, feature edges, edges of locked elements, and edges where two elements
+        disagree about which side is up.
+    """
+
+    edges: Ints
+    element_edges: Ints
+    edge_elements: Ints
+    uses: Ints
+    crossable: Bools
+    mesh: ShellMesh
+
+    @property
+    def is_border(self) -> Bools:
+        """(E,) bool: edges with one element."""
+        border: Bools = self.uses == 1
+        return border
+
+    @property
+    def is_t_junction(self) -> Bools:
+        """(E,) bool: edges where three and more elements meet."""
+        junction: Bools = self.uses > 2
+        return junction
+
+    @cached_property
+    def fans(self) -> tuple[Ints, Ints, int]:
+        """Fans: elements around a node that crossable edges connect.
+
+        Returns the fan of each element corner, (M, 4) int32; the node of each fan, (F,) int32; and
+        the first inner fan: those before it touch a barrier, those from it on close around their
+        node.
+        """
+        mesh = self.mesh
+        rows = np.arange(len(mesh.elements), dtype=np.int32)
+        corners, nodes, border = cut(
+            rows,
+            mesh.elements,
+            self.element_edges,
+            self.edge_elements,
+            self.crossable,
+            np.full(len(rows), -1, np.int32),
+        )
+        return corners, nodes, int(border.max()) + 1 if len(border) else 0
+
+    @cached_property
+    def free_nodes(self) -> Bools:
+        """(N,) bool: unlocked nodes inside a zone, that nothing but their one fan uses."""
+        _, nodes, first_inner = self.fans
+        free = np.zeros(len(self.mesh.points), bool)
+        free[nodes[first_inner:]] = True
+        free &= ~self.mesh.locked_nodes & (self._fans_of_node == 1)
+        return free
+
+    @cached_property
+    def _fans_of_node(self) -> Ints:
+        return np.bincount(self.fans[1], minlength=len(self.mesh.points)).astype(np.int32)
+
+    @cached_property
+    def anchors(self) -> Bools:
+        """(M,) bool: elements that stay so that a node inside a zone stays in the mesh.
+
+        Such a node is locked, or another part of the mesh hangs on it. The first quad around it,
+        or else the first tria, is its anchor: a patch cut around that has the node on its border.
+        """
+        corners, nodes, first_inner = self.fans
+        pinned = self.mesh.locked_nodes[nodes] | (self._fans_of_node[nodes] > 1)
+        pinned[:first_inner] = False
+        anchors = np.zeros(len(corners), bool)
+        is_corner = corners >= 0
+        touching = np.nonzero((pinned[corners] & is_corner).any(axis=1))[0]
+        held: set[int] = set()
+        for row in touching[np.argsort(self.mesh.is_tria[touching], kind="stable")]:
+            around = {int(fan) for fan in corners[row][is_corner[row]] if pinned[fan]}
+            if not around <= held:
+                anchors[row] = True
+                held |= around
+        return anchors
+
+    @cached_property
+    def editable(self) -> Bools:
+        """(M,) bool: elements that an operation may take out of the mesh."""
+        return ~(self.mesh.locked_elements | self.anchors)
+
+    @cached_property
+    def zones(self) -> Ints:
+        """(M,) int32: number of the connected area, bounded by barriers, of each editable element.
+
+        Elements that no operation may take out have -1.
+        """
+        zones: Ints = label_components(
+            self.element_edges, self.edge_elements, self.crossable, self.editable
+        )
+        return zones
+
+
+def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topology:
+    """Find edges and barriers; `feature_angle` in degrees."""
+    elements = mesh.elements
+    start = elements
+    end = np.roll(elements, -1, axis=1)
+    tria = mesh.is_tria
+    end[tria, 2] = elements[tria, 0]
+    is_side = np.ones(elements.shape, bool)
+    is_side[tria, 3] = False
+
+    low, high = np.minimum(start, end)[is_side], np.maximum(start, end)[is_side]
+    keys = low.astype(np.int64) * (len(mesh.points) + 1) + high
+    _, first, inverse, uses = np.unique(
+        keys, return_index=True, return_inverse=True, return_counts=True
+    )
+    element_edges = np.full(elements.shape, -1, np.int32)
+    element_edges[is_side] = inverse
+    owners = np.nonzero(is_side)[0].astype(np.int32)
+
+    by_edge = np.argsort(inverse, kind="stable")
+    begin = np.concatenate([[0], np.cumsum(uses)[:-1]])
+    shared = uses == 2
+    edge_elements = np.full((len(uses), 2), -1, np.int32)
+    edge_elements[shared, 0] = owners[by_edge[begin[shared]]]
+    edge_elements[shared, 1] = owners[by_edge[begin[shared] + 1]]
+    forward = (start[is_side] < end[is_side])[by_edge]
+    opposed = np.zeros(len(uses), bool)
+    opposed[shared] = forward[begin[shared]] != forward[begin[shared] + 1]
+
+    crossable = shared & opposed
+    left, right = edge_elements[crossable].T
+    normals = element_normals(mesh)
+    smooth = np.einsum("ij,ij->i", normals[left], normals[right]) >= np.cos(
+        np.radians(feature_angle)
+    )
+    unlocked = ~(mesh.locked_elements[left] | mesh.locked_elements[right])
+    crossable[crossable] = smooth & unlocked & (mesh.region[left] == mesh.region[right])
+    return Topology(
+        edges=np.stack([low[first], high[first]], axis=1).astype(np.int32),
+        element_edges=element_edges,
+        edge_elements=edge_elements,
+        uses=uses.astype(np.int32),
+        crossable=crossable,
+        mesh=mesh,
+    )
+
+
+def element_normals(mesh: ShellMesh) -> Floats:
+    """(M, 3) unit normals; a quad's is that of its two diagonals; zero for a flat line."""
+    corners = mesh.points[mesh.elements]
+    tria = mesh.is_tria
+    corners[tria, 3] = corners[tria, 2]
+    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    unit: Floats = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    return unit

@@ -1,0 +1,94 @@
+"""Workpiece: a mesh with all that operations want to know of it, found out once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from meshops.criteria import Scoring
+from meshops.edit import Edit
+from meshops.fitness import Fitness
+from meshops.kernels.quality import tally_elements
+from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
+from meshops.quality import failed_elements
+from meshops.topology import FEATURE_ANGLE, Topology, topology
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What stays the same over a whole run.
+
+    Attributes
+    ----------
+    scoring : Scoring
+        The criteria at the run's element size.
+    fitness : Fitness
+    element_size : float or None
+        Edge length that Remesh aims at; None keeps the size that the mesh has in that place.
+    feature_angle : float
+        Degrees from which the edge between two elements is a feature.
+    """
+
+    scoring: Scoring
+    fitness: Fitness
+    element_size: float | None = None
+    feature_angle: float = FEATURE_ANGLE
+
+
+@dataclass(frozen=True, eq=False)
+class Workpiece:
+    """A mesh under a setting."""
+
+    mesh: ShellMesh
+    setting: Setting
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Edges and barriers."""
+        return topology(self.mesh, feature_angle=self.setting.feature_angle)
+
+    @cached_property
+    def tally(self) -> Floats:
+        """(TALLY_SIZE,) sums over all elements, from which fitness follows."""
+        return self.tally_of(self.mesh.points, self.mesh.elements)
+
+    def tally_of(self, points: Floats, elements: Ints) -> Floats:
+        """(TALLY_SIZE,) sums over some elements."""
+        tally: Floats = tally_elements(points, elements, *self.setting.scoring.arrays)
+        return tally
+
+    def tally_change(self, edit: Edit) -> Floats:
+        """(TALLY_SIZE,) what the edit adds to the tally of the mesh."""
+        mesh = self.mesh
+        gone = np.zeros(len(mesh.elements), bool)
+        gone[edit.removed] = True
+        touched = gone.copy()
+        touched[edit.rewired] = True
+        if len(edit.moved):
+            moved = np.zeros(len(mesh.points), bool)
+            moved[edit.moved] = True
+            touched |= (moved[mesh.elements] & (mesh.elements != NO_NODE)).any(axis=1)
+        after = mesh.elements.copy()
+        after[edit.rewired] = edit.rewired_to
+        new = np.concatenate([after[touched & ~gone], edit.added_elements])
+        change: Floats = self.tally_of(edit.points_after(mesh), new) - self.tally_of(
+            mesh.points, mesh.elements[touched]
+        )
+        return change
+
+    def fitness(self, tallies: Floats) -> Floats:
+        """(P,) fitness of (P, TALLY_SIZE) tallies."""
+        return self.setting.fitness.of(tallies, self.setting.scoring)
+
+    def is_fitter_by(self, change: Floats) -> bool:
+        """Whether adding `change` (TALLY_SIZE,) to the tally makes the mesh fitter."""
+        before, after = self.fitness(np.stack([self.tally, self.tally + change]))
+        return bool(after > before)
+
+    @cached_property
+    def bad_elements(self) -> Ints:
+        """Rows of the elements that fail or are trias; of all where there are none."""
+        bad = np.nonzero(failed_elements(self.mesh, self.setting.scoring) | self.mesh.is_tria)[0]
+        return (bad if len(bad) else np.arange(len(self.mesh.elements))).astype(np.int32)

@@ -1,0 +1,160 @@
+"""The events of a run: all that the rest of the program tells to tracking.
+
+Events hold plain scalars, strings, tuples and mappings, so that every recorder can keep them as it
+likes. A recorder sees one ``RunStarted``, then reports, then one ``RunFinished``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, Protocol
+
+Setting = str | int | float | bool
+Status = Literal["finished", "interrupted", "time-limit", "failed"]
+
+
+@dataclass(frozen=True)
+class MeshSummary:
+    """A mesh in figures.
+
+    Attributes
+    ----------
+    elements, quads, trias : int
+    failed : int
+        Elements that fail a criterion.
+    compound_qi : float
+        The sum of the elements' Q.I.; 0 is perfect.
+    """
+
+    elements: int
+    quads: int
+    trias: int
+    failed: int
+    compound_qi: float
+
+
+@dataclass(frozen=True)
+class RunStarted:
+    """The first event of a run.
+
+    Attributes
+    ----------
+    name : str
+        The deck's base name.
+    run_id : str
+        Names this run and no other. A run that is resumed keeps it, and its record goes on.
+    seed : int
+    backend : str
+        Where the operation GAs run, e.g. ``"local"``.
+    islands : int
+    settings : Mapping
+        All settings, flat.
+    before : MeshSummary
+    note : str
+        The user's own words about the run.
+    """
+
+    name: str
+    run_id: str
+    seed: int
+    backend: str
+    islands: int
+    settings: Mapping[str, Setting]
+    before: MeshSummary
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class GenerationReport:
+    """What an island has to tell after a generation.
+
+    Attributes
+    ----------
+    island, generation : int
+    best, mean, worst : float
+        Fitness over the individuals of this generation; more is better.
+    best_so_far : float
+        Fitness of the island's best procedure so far.
+    trias, failed, compound_qi
+        Of the mesh that the best procedure so far makes.
+    evaluations : int
+        Procedures that this island has evaluated since the start of the run.
+    seconds : float
+        Time since the start of the run.
+    procedure : str
+        The best procedure so far, in the form of the paper's figure 10.
+    """
+
+    island: int
+    generation: int
+    best: float
+    mean: float
+    worst: float
+    best_so_far: float
+    trias: int
+    failed: int
+    compound_qi: float
+    evaluations: int
+    seconds: float
+    procedure: str
+
+
+@dataclass(frozen=True)
+class MigrationReport:
+    """An individual has gone from one island to another after a generation."""
+
+    generation: int
+    source: int
+    target: int
+    fitness: float
+    genome: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class RunFinished:
+    """The last event of a run, whatever ended it.
+
+    Attributes
+    ----------
+    status : Status
+    reason : str
+        Why the run ended, in words.
+    after : MeshSummary or None
+        The mesh that the best procedure makes; None where there is none.
+    fitness : float
+        Of the best procedure.
+    seconds : float
+    evaluations : int
+        Over all islands.
+    procedure : str
+        The best procedure, in the form of the paper's figure 10.
+    digest : str
+        The content hash of the mesh ``after``.
+    """
+
+    status: Status
+    reason: str
+    after: MeshSummary | None
+    fitness: float
+    seconds: float
+    evaluations: int
+    procedure: str
+    digest: str
+
+
+Event = RunStarted | GenerationReport | MigrationReport | RunFinished
+
+
+class Recorder(Protocol):
+    """Remembers or shows events."""
+
+    def record(self, event: Event) -> None:
+        """Take one event; returns soon."""
+
+    def keep(self, paths: Sequence[Path]) -> None:
+        """Take the files that the run has made; called at most once, before ``close``."""
+
+    def close(self) -> None:
+        """Finish what is begun and let go of everything held; a second call does nothing."""

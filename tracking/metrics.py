@@ -1,0 +1,86 @@
+"""Events as metrics: the names under which the figures of a run are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from tracking.events import Event, GenerationReport, MeshSummary, RunFinished, RunStarted
+from tracking.overview import ALL_ISLANDS, Overview
+
+
+class Point(NamedTuple):
+    """One value of one curve.
+
+    Attributes
+    ----------
+    island : int
+        ``ALL_ISLANDS`` for the curves of the run as a whole.
+    key : str
+        What stands before the slash groups the curves.
+    value : float
+    timestamp : int
+        Milliseconds since 1970.
+    step : int
+        The generation.
+    """
+
+    island: int
+    key: str
+    value: float
+    timestamp: int
+    step: int
+
+
+class Metrics:
+    """Turns events into points, one after the other."""
+
+    def __init__(self) -> None:
+        self._overview = Overview(1)
+
+    def points(self, event: Event, timestamp: int) -> Iterator[Point]:
+        """Yield the points of the event, and those of the run that it completes."""
+        if isinstance(event, RunStarted):
+            self._overview = Overview(event.islands)
+            yield from _points(ALL_ISLANDS, _mesh_figures("before", event.before), timestamp, 0)
+        elif isinstance(event, GenerationReport):
+            for report in (event, *self._overview.add(event)):
+                yield from _report_points(report, timestamp)
+        elif isinstance(event, RunFinished):
+            for report in self._overview.rest():
+                yield from _report_points(report, timestamp)
+            if event.after is not None:
+                figures = _mesh_figures("after", event.after) | {"after/fitness": event.fitness}
+                yield from _points(ALL_ISLANDS, figures, timestamp, 0)
+
+
+def _report_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
+    figures = {
+        "fitness/best": report.best,
+        "fitness/mean": report.mean,
+        "fitness/worst": report.worst,
+        "fitness/best_so_far": report.best_so_far,
+        "mesh/trias": report.trias,
+        "mesh/failed": report.failed,
+        "mesh/compound_qi": report.compound_qi,
+        "cost/evaluations": report.evaluations,
+        "cost/seconds": report.seconds,
+    }
+    return _points(report.island, figures, timestamp, report.generation)
+
+
+def _mesh_figures(group: str, mesh: MeshSummary) -> dict[str, float]:
+    return {
+        f"{group}/elements": mesh.elements,
+        f"{group}/quads": mesh.quads,
+        f"{group}/trias": mesh.trias,
+        f"{group}/failed": mesh.failed,
+        f"{group}/compound_qi": mesh.compound_qi,
+    }
+
+
+def _points(
+    island: int, figures: Mapping[str, float], timestamp: int, step: int
+) -> Iterator[Point]:
+    for key, value in figures.items():
+        yield Point(island, key, float(value), timestamp, step)
