@@ -56,11 +56,11 @@ def generations(
     genomes = space.draw(rng, breeding.individuals)
     best, best_fitness, best_tally = genomes[0], -np.inf, workpiece.tally
     for number in range(breeding.generations + 1):
-        tallies = space.evaluate(genomes)
-        fitness = workpiece.fitness(tallies)
+        fitness = workpiece.fitness(space.evaluate(genomes))
         top = int(np.argmax(fitness))
         if fitness[top] > best_fitness:
-            best, best_fitness, best_tally = genomes[top], float(fitness[top]), tallies[top]
+            best, best_fitness = genomes[top], float(fitness[top])
+            best_tally = space.tally(best)
         evaluations = (number + 1) * breeding.individuals
         yield Generation(number, fitness, best, best_fitness, best_tally, evaluations)
         genomes = next_generation(genomes, fitness, space.bounds, breeding, rng)

@@ -193,7 +193,7 @@ def _trias_row(scoring: Scoring, tally: Floats) -> CriterionRow:
         return row
     percent = float(kernel.percent_trias(tally))
     index = kernel.penalty(percent, scoring.levels[kernel.PERCENT_TRIAS], scoring.penalties)
-    failing = bool(failing_penalties(index, scoring))
+    failing = index > scoring.penalties[3] + kernel.SLACK
     return replace(row, percent_failed=100.0 * failing, worst=percent, index=float(index))
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.kernels.pairing import split_quads
-from meshops.kernels.smoothing import mean_normals
+from meshops.kernels.soundness import unit_normals
 from meshops.kernels.surface import bounding_spheres, nearest
-from meshops.mesh import Floats, Ints
+from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 
 PLANE_TOLERANCE = 1e-9
@@ -75,7 +75,7 @@ class PatchSurface:
         _, distance, tria = self._nearest(_centres(points, elements))
         if distance.max() > tolerance:
             return None
-        normals: Floats = mean_normals(self.points, self.trias)[tria]
+        normals: Floats = unit_normals(self.points, _as_elements(self.trias[tria]))
         return normals
 
     def is_covered(self, patch: Patch, points: Floats, elements: Ints, tolerance: float) -> bool:
@@ -103,4 +103,9 @@ def _centres(points: Floats, elements: Ints) -> Floats:
     corners = points[elements]
     tria = elements[:, 3] < 0
     corners[tria, 3] = 0.0
-    return corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]
+    centres: Floats = corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]
+    return centres
+
+
+def _as_elements(trias: Ints) -> Ints:
+    return np.column_stack([trias, np.full(len(trias), NO_NODE, np.int32)])

@@ -8,8 +8,17 @@ from __future__ import annotations
 
 from math import acos, asin, atan2, degrees, inf, nan, sqrt
 
-from numba import njit
-
+from meshops.kernels.vectors import (
+    Vector,
+    add,
+    compiled,
+    cross,
+    dot,
+    edge,
+    inlined,
+    length,
+    subtract,
+)
 from meshops.mesh import Floats, Ints
 
 CRITERIA = 12
@@ -23,49 +32,11 @@ PERCENT_TRIAS = 12
 FLAT = 1e-12
 """Twice the area over the longest edge squared at which an element has no normal."""
 
-Vector = tuple[float, float, float]
-
-compiled = njit(cache=True, error_model="numpy")
-"""Divides by zero to infinity or NaN, as IEEE 754 has it: no check in the hot loops."""
-
-inlined = njit(cache=True, error_model="numpy", forceinline=True)
-"""For what runs once an element: the call alone, with its many array arguments, costs more."""
-
-
-@compiled
-def _edge(points: Floats, i: int, j: int) -> Vector:
-    return points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
-
-
-@compiled
-def _add(u: Vector, v: Vector) -> Vector:
-    return u[0] + v[0], u[1] + v[1], u[2] + v[2]
-
-
-@compiled
-def _subtract(u: Vector, v: Vector) -> Vector:
-    return u[0] - v[0], u[1] - v[1], u[2] - v[2]
-
-
-@compiled
-def _dot(u: Vector, v: Vector) -> float:
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
-
-
-@compiled
-def _cross(u: Vector, v: Vector) -> Vector:
-    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
-
-
-@compiled
-def _length(u: Vector) -> float:
-    return sqrt(_dot(u, u))
-
 
 @compiled
 def _angle_between(u: Vector, v: Vector) -> float:
     """Degrees between two vectors; 0 where one of them is nothing."""
-    return degrees(atan2(_length(_cross(u, v)), _dot(u, v)))
+    return degrees(atan2(length(cross(u, v)), dot(u, v)))
 
 
 @compiled
@@ -114,11 +85,11 @@ def measure_element(
 
 @inlined
 def _measure_tria(points: Floats, a: int, b: int, c: int, normalised: bool, values: Floats) -> None:
-    ab, bc, ca = _edge(points, a, b), _edge(points, b, c), _edge(points, c, a)
-    lab, lbc, lca = _length(ab), _length(bc), _length(ca)
+    ab, bc, ca = edge(points, a, b), edge(points, b, c), edge(points, c, a)
+    lab, lbc, lca = length(ab), length(bc), length(ca)
     longest = max(lab, lbc, lca)
     shortest = min(lab, lbc, lca)
-    twice_area = _length(_cross(ab, bc))
+    twice_area = length(cross(ab, bc))
     size = shortest
     if normalised:
         size = 2.0 / sqrt(3.0) * twice_area / longest if longest > 0.0 else 0.0
@@ -136,9 +107,9 @@ def _measure_tria(points: Floats, a: int, b: int, c: int, normalised: bool, valu
         values[MIN_ANGLE_TRIA] = 0.0
         values[SKEW] = 90.0
         return
-    cos_a = -_dot(ca, ab) / (lca * lab)
-    cos_b = -_dot(ab, bc) / (lab * lbc)
-    cos_c = -_dot(bc, ca) / (lbc * lca)
+    cos_a = -dot(ca, ab) / (lca * lab)
+    cos_b = -dot(ab, bc) / (lab * lbc)
+    cos_c = -dot(bc, ca) / (lbc * lca)
     values[MAX_ANGLE_TRIA] = degrees(acos(_clamp(min(cos_a, cos_b, cos_c))))
     values[MIN_ANGLE_TRIA] = degrees(acos(_clamp(max(cos_a, cos_b, cos_c))))
     cosine = max(
@@ -150,10 +121,10 @@ def _measure_tria(points: Floats, a: int, b: int, c: int, normalised: bool, valu
 
 
 @compiled
-def _median_cosine(into: Vector, out: Vector, opposite: Vector, length: float) -> float:
+def _median_cosine(into: Vector, out: Vector, opposite: Vector, longest: float) -> float:
     """Cosine between a corner's median and the line of its mid-sides, parallel to the far edge."""
-    median = _subtract(out, into)
-    cosine: float = abs(_dot(median, opposite)) / (_length(median) * length)
+    median = subtract(out, into)
+    cosine: float = abs(dot(median, opposite)) / (length(median) * longest)
     return cosine
 
 
@@ -161,22 +132,22 @@ def _median_cosine(into: Vector, out: Vector, opposite: Vector, length: float) -
 def _measure_quad(
     points: Floats, a: int, b: int, c: int, d: int, normalised: bool, values: Floats
 ) -> None:
-    ab, bc = _edge(points, a, b), _edge(points, b, c)
-    cd, da = _edge(points, c, d), _edge(points, d, a)
-    lab, lbc, lcd, lda = _length(ab), _length(bc), _length(cd), _length(da)
+    ab, bc = edge(points, a, b), edge(points, b, c)
+    cd, da = edge(points, c, d), edge(points, d, a)
+    lab, lbc, lcd, lda = length(ab), length(bc), length(cd), length(da)
     longest = max(lab, lbc, lcd, lda)
     shortest = min(lab, lbc, lcd, lda)
-    na, nb, nc, nd = _cross(da, ab), _cross(ab, bc), _cross(bc, cd), _cross(cd, da)
-    normal = _add(nb, nd)  # also na + nc, and the cross product of the diagonals
-    twice_area = _length(normal)
+    na, nb, nc, nd = cross(da, ab), cross(ab, bc), cross(bc, cd), cross(cd, da)
+    normal = add(nb, nd)  # also na + nc, and the cross product of the diagonals
+    twice_area = length(normal)
     size = shortest
     if normalised and shortest > 0.0:
         size = min(
             shortest,
-            _length(na) / max(lda, lab),
-            _length(nb) / max(lab, lbc),
-            _length(nc) / max(lbc, lcd),
-            _length(nd) / max(lcd, lda),
+            length(na) / max(lda, lab),
+            length(nb) / max(lab, lbc),
+            length(nc) / max(lbc, lcd),
+            length(nd) / max(lcd, lda),
         )
     values[MIN_SIZE] = size
     values[MAX_LENGTH] = longest
@@ -194,8 +165,8 @@ def _measure_quad(
         return
     values[WARPAGE] = max(_angle_between(na, nc), _angle_between(nb, nd))
 
-    ja, jb = _dot(na, normal) / twice_area, _dot(nb, normal) / twice_area
-    jc, jd = _dot(nc, normal) / twice_area, _dot(nd, normal) / twice_area
+    ja, jb = dot(na, normal) / twice_area, dot(nb, normal) / twice_area
+    jc, jd = dot(nc, normal) / twice_area, dot(nd, normal) / twice_area
     lowest, mean = min(ja, jb, jc, jd), 0.5 * twice_area
     at_gauss = 1.0 / sqrt(3.0)
     values[JACOBIAN] = (mean + (lowest - mean) * at_gauss) / (
@@ -203,44 +174,17 @@ def _measure_quad(
     )
     values[TAPER] = 1.0 - lowest / mean
 
-    turn_a = _turn(-_dot(da, ab) / (lda * lab), ja)
-    turn_b = _turn(-_dot(ab, bc) / (lab * lbc), jb)
-    turn_c = _turn(-_dot(bc, cd) / (lbc * lcd), jc)
-    turn_d = _turn(-_dot(cd, da) / (lcd * lda), jd)
+    turn_a = _turn(-dot(da, ab) / (lda * lab), ja)
+    turn_b = _turn(-dot(ab, bc) / (lab * lbc), jb)
+    turn_c = _turn(-dot(bc, cd) / (lbc * lcd), jc)
+    turn_d = _turn(-dot(cd, da) / (lcd * lda), jd)
     values[MAX_ANGLE_QUAD] = _turned(min(turn_a, turn_b, turn_c, turn_d))
     values[MIN_ANGLE_QUAD] = _turned(max(turn_a, turn_b, turn_c, turn_d))
 
-    along, across = _subtract(ab, cd), _subtract(bc, da)  # twice the mid-side lines
-    lengths = _length(along) * _length(across)
-    cosine = abs(_dot(along, across)) / lengths if lengths > 0.0 else 1.0
+    along, across = subtract(ab, cd), subtract(bc, da)  # twice the mid-side lines
+    lengths = length(along) * length(across)
+    cosine = abs(dot(along, across)) / lengths if lengths > 0.0 else 1.0
     values[SKEW] = degrees(asin(min(1.0, cosine)))
-
-
-@compiled
-def corner_jacobian_min(
-    points: Floats, a: int, b: int, c: int, d: int, nx: float, ny: float, nz: float
-) -> float:
-    """Smallest corner Jacobian against a unit normal, over the longest edge squared.
-
-    At most 1 (a square: 1, an equilateral tria: 0.87); 0 or less for an element that is concave,
-    flat or turned over as seen from the normal. ``d`` is -1 for a tria.
-    """
-    normal = (nx, ny, nz)
-    ab, bc = _edge(points, a, b), _edge(points, b, c)
-    if d < 0:
-        ca = _edge(points, c, a)
-        longest = max(_dot(ab, ab), _dot(bc, bc), _dot(ca, ca))
-        lowest: float = _dot(_cross(ab, bc), normal)
-    else:
-        cd, da = _edge(points, c, d), _edge(points, d, a)
-        longest = max(_dot(ab, ab), _dot(bc, bc), _dot(cd, cd), _dot(da, da))
-        lowest = min(
-            _dot(_cross(da, ab), normal),
-            _dot(_cross(ab, bc), normal),
-            _dot(_cross(bc, cd), normal),
-            _dot(_cross(cd, da), normal),
-        )
-    return lowest / longest if longest > 0.0 else 0.0
 
 
 @compiled

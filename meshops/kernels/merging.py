@@ -4,27 +4,39 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from meshops.kernels.quality import CRITERIA, TALLY_SIZE, add_element, add_values
-from meshops.kernels.smoothing import area_vector, worst_corner
+from meshops.kernels.quality import (
+    CRITERIA,
+    ELEMENTS,
+    QUADS,
+    TALLY_SIZE,
+    TRIAS,
+    add_element,
+    add_values,
+)
+from meshops.kernels.soundness import FACING
+from meshops.kernels.vectors import area_vector, compiled, corner_jacobian_min, inlined, unit
 from meshops.mesh import Bools, Floats, Ids, Ints
 
 LEAST_CORNER = 0.02
-"""`worst_corner` from which a merged element counts as sound."""
+"""`corner_jacobian_min` from which a merged element counts as sound."""
+
+MOST_NEIGHBOURS = 128
+"""Places for the neighbours of a merged node, two for each of its elements; no pair of nodes with
+more is merged."""
 
 
-@njit(cache=True)
-def merged_element(element: Ints, target: Ints, out: Ints) -> int:
+@inlined
+def merged_element(elements: Ints, e: int, target: Ints, out: Ints) -> int:
     """Write the nodes that an element has after merging to `out`; return how many: 4, 3 or 0.
 
     A quad that loses one node is a tria; one that loses two, or whose opposite nodes meet, and a
     tria that loses one, vanish (the paper's Figures 9 and 11).
     """
-    size = 4 if element[3] >= 0 else 3
+    size = 4 if elements[e, 3] >= 0 else 3
     count = 0
     for k in range(size):
-        node = target[element[k]]
+        node = target[elements[e, k]]
         if count == 0 or out[count - 1] != node:
             out[count] = node
             count += 1
@@ -37,57 +49,72 @@ def merged_element(element: Ints, target: Ints, out: Ints) -> int:
     return count
 
 
-@njit(cache=True)
-def _uses(
+@compiled
+def _neighbours(
     node: int,
     without: int,
-    other: int,
     elements: Ints,
     start: Ints,
     around: Ints,
     target: Ints,
     out: Ints,
+    found: Ints,
+    count: int,
 ) -> int:
-    """Count the elements around `node` in which `other` is next to the node's target.
+    """Append to `found` the two neighbours of a node in each element around it; the new count.
 
     The elements are seen after merging; those that have the node `without` are left out.
     """
-    uses = 0
+    place = target[node]
     for i in range(start[node], start[node + 1]):
-        element = elements[around[i]]
-        if without in (element[0], element[1], element[2], element[3]):
+        e = around[i]
+        if without in (elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]):
             continue
-        size = merged_element(element, target, out)
+        size = merged_element(elements, e, target, out)
         for k in range(size):
-            if out[k] == target[node]:
-                if other in (out[(k + 1) % size], out[(k - 1 + size) % size]):
-                    uses += 1
+            if out[k] == place:
+                if count + 2 <= len(found):
+                    found[count] = out[(k + 1) % size]
+                    found[count + 1] = out[(k - 1 + size) % size]
+                count += 2
                 break
-    return uses
+    return count
 
 
-@njit(cache=True)
+@compiled
 def _is_manifold(
-    a: int, b: int, elements: Ints, start: Ints, around: Ints, target: Ints, same: Ints, out: Ints
+    a: int,
+    b: int,
+    elements: Ints,
+    start: Ints,
+    around: Ints,
+    target: Ints,
+    same: Ints,
+    out: Ints,
+    before: Ints,
+    after: Ints,
 ) -> bool:
-    """Whether the edges that merging a into b leaves at b still have the elements they may have."""
-    nodes = np.empty(4, np.int32)
-    for i in range(start[a], start[a + 1]):
-        size = merged_element(elements[around[i]], target, nodes)
-        for k in range(size):
-            if nodes[k] != b:
-                continue
-            for step in (1, size - 1):
-                other = nodes[(k + step) % size]
-                after = _uses(b, -2, other, elements, start, around, target, out)
-                after += _uses(a, b, other, elements, start, around, target, out)
-                before = _uses(b, -2, other, elements, start, around, same, out)
-                if after > (2 if before == 0 else before):
-                    return False
+    """Whether the edges at b have, after merging a into b, as many elements as they may have.
+
+    That is two for an edge that was not there, and for any other at most as many as it had.
+    """
+    old = _neighbours(b, -2, elements, start, around, same, out, before, 0)
+    new = _neighbours(b, -2, elements, start, around, target, out, after, 0)
+    new = _neighbours(a, b, elements, start, around, target, out, after, new)
+    if max(old, new) > len(after):
+        return False
+    for i in range(new):
+        had = uses = 0
+        for j in range(old):
+            had += before[j] == after[i]
+        for j in range(new):
+            uses += after[j] == after[i]
+        if uses > (2 if had == 0 else had):
+            return False
     return True
 
 
-@njit(cache=True)
+@compiled
 def evaluate_merges(
     genomes: Ids,
     pool: Ints,
@@ -124,7 +151,7 @@ def evaluate_merges(
     tally : (TALLY_SIZE,) float64
         The tally of the whole mesh.
     levels, weights, active, penalties, normalised
-        The scoring.
+        The scoring; where no criterion is active, elements are counted and not measured.
 
     Returns
     -------
@@ -132,6 +159,7 @@ def evaluate_merges(
     element, tear the mesh or join it to itself.
     """
     tallies = np.empty((len(genomes), TALLY_SIZE))
+    measured = active.any()
     points = points.copy()
     same = np.arange(len(points)).astype(np.int32)
     target = same.copy()
@@ -139,7 +167,8 @@ def evaluate_merges(
     element_seen = np.full(len(elements), -1, np.int64)
     affected = np.empty(len(elements), np.int32)
     out = np.empty(4, np.int32)
-    normal = np.empty(3)
+    before = np.empty(MOST_NEIGHBOURS, np.int32)
+    after = np.empty(MOST_NEIGHBOURS, np.int32)
     scratch = np.empty(CRITERIA)
     places = np.empty((genomes.shape[1], 3))
     for p in range(len(genomes)):
@@ -181,39 +210,43 @@ def evaluate_merges(
                 points[b] = 0.5 * (points[a] + points[b])
         for i in range(touched):
             e = affected[i]
-            add_values(
-                row, values[e], elements[e, 3] < 0, -1.0,
-                levels, weights, active, penalties, normalised,
-            )  # fmt: skip
-            size = merged_element(elements[e], target, out)
+            if measured:
+                add_values(
+                    row, values[e], elements[e, 3] < 0, -1.0,
+                    levels, weights, active, penalties, normalised,
+                )  # fmt: skip
+            else:
+                row[ELEMENTS] -= 1.0
+                row[TRIAS if elements[e, 3] < 0 else QUADS] -= 1.0
+            size = merged_element(elements, e, target, out)
             euler += (4 if elements[e, 3] >= 0 else 3) - size
             if size == 0:
                 euler -= 2
                 continue
-            area_vector(points, out, normal)
-            area = np.sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
-            if area <= 0.0:
-                valid = False
-                break
-            normal /= area
-            facing = (
-                normal[0] * normals[e, 0] + normal[1] * normals[e, 1] + normal[2] * normals[e, 2]
-            )
-            if facing < 0.5 or (
-                worst_corner(points, out, normal[0], normal[1], normal[2]) < LEAST_CORNER
+            n = unit(area_vector(points, out[0], out[1], out[2], out[3]))
+            facing = n[0] * normals[e, 0] + n[1] * normals[e, 1] + n[2] * normals[e, 2]
+            if (
+                facing < FACING
+                or corner_jacobian_min(points, out[0], out[1], out[2], out[3], n[0], n[1], n[2])
+                < LEAST_CORNER
             ):
                 valid = False
                 break
-            add_element(
-                row, points, out[0], out[1], out[2], out[3], 1.0, scratch,
-                levels, weights, active, penalties, normalised,
-            )  # fmt: skip
+            if measured:
+                add_element(
+                    row, points, out[0], out[1], out[2], out[3], 1.0, scratch,
+                    levels, weights, active, penalties, normalised,
+                )  # fmt: skip
+            else:
+                row[ELEMENTS] += 1.0
+                row[TRIAS if out[3] < 0 else QUADS] += 1.0
         valid = valid and euler == 0
         for gene in genomes[p]:
             if valid and gene < len(pool):
                 valid = _is_manifold(
-                    pool[gene, 0], pool[gene, 1], elements, start, around, target, same, out
-                )
+                    pool[gene, 0], pool[gene, 1], elements, start, around, target, same, out,
+                    before, after,
+                )  # fmt: skip
         for g in range(genomes.shape[1]):
             gene = genomes[p, g]
             if gene < len(pool):
@@ -224,7 +257,7 @@ def evaluate_merges(
     return tallies
 
 
-@njit(cache=True)
+@compiled
 def rewire(elements: Ints, target: Ints) -> tuple[Ints, Ints, Ints]:
     """Find which of the elements (M, 4) vanish by merging, which change, and to what nodes."""
     removed = np.empty(len(elements), np.int32)
@@ -233,7 +266,7 @@ def rewire(elements: Ints, target: Ints) -> tuple[Ints, Ints, Ints]:
     gone = kept = 0
     out = np.empty(4, np.int32)
     for e in range(len(elements)):
-        size = merged_element(elements[e], target, out)
+        size = merged_element(elements, e, target, out)
         if size == 0:
             removed[gone] = e
             gone += 1

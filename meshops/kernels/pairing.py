@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from meshops.kernels.vectors import compiled
 from meshops.mesh import Bools, Floats, Ints
 
 
-@njit(cache=True)
+@compiled
 def tria_neighbours(trias: Ints, nodes: int) -> Ints:
     """(T, 3) int32: the tria across side k (node k to node k + 1), or -1."""
     count = len(trias)
@@ -36,7 +36,7 @@ def tria_neighbours(trias: Ints, nodes: int) -> Ints:
     return neighbours
 
 
-@njit(cache=True)
+@compiled
 def _quad_shape(points: Floats, a: int, b: int, c: int, d: int) -> float:
     """Shape of quad abcd in [-1, 1]: its worst corner's sine, 1 for a rectangle."""
     nx = ny = nz = 0.0
@@ -69,7 +69,7 @@ def _quad_shape(points: Floats, a: int, b: int, c: int, d: int) -> float:
     return worst
 
 
-@njit(cache=True)
+@compiled
 def pair_shapes(points: Floats, trias: Ints, neighbours: Ints) -> Floats:
     """(T, 3) float64: shape of the quad that tria t makes with its neighbour across side k.
 
@@ -91,7 +91,7 @@ def pair_shapes(points: Floats, trias: Ints, neighbours: Ints) -> Floats:
     return shapes
 
 
-@njit(cache=True)
+@compiled
 def match_greedily(neighbours: Ints, shapes: Floats, least: float) -> Ints:
     """Pair neighbours by falling shape down to `least`; (T,) int32 mate of each tria or -1."""
     count = len(neighbours)
@@ -108,7 +108,7 @@ def match_greedily(neighbours: Ints, shapes: Floats, least: float) -> Ints:
     return mate
 
 
-@njit(cache=True)
+@compiled
 def _base_of_both(base: Ints, parent: Ints, mate: Ints, a: int, b: int, mark: Ints) -> int:
     mark[:] = 0
     while True:
@@ -124,7 +124,7 @@ def _base_of_both(base: Ints, parent: Ints, mate: Ints, a: int, b: int, mark: In
         b = parent[mate[b]]
 
 
-@njit(cache=True)
+@compiled
 def _mark_path(
     base: Ints, parent: Ints, mate: Ints, in_blossom: Ints, v: int, stem: int, child: int
 ) -> None:
@@ -136,7 +136,7 @@ def _mark_path(
         v = parent[mate[v]]
 
 
-@njit(cache=True)
+@compiled
 def match_completely(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
     """Augment a matching to one of greatest cardinality (Edmonds' blossom algorithm, 1965).
 
@@ -199,7 +199,7 @@ def match_completely(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
     return mate
 
 
-@njit(cache=True)
+@compiled
 def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
     """(M, 4) int32 elements: a quad for each pair, a tria (-1 last) for each that is alone."""
     elements = np.full((len(trias), 4), -1, np.int32)
@@ -224,7 +224,7 @@ def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
     return elements[:count].copy()
 
 
-@njit(cache=True)
+@compiled
 def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     """Split the chosen quads along their better diagonal.
 
@@ -250,7 +250,7 @@ def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     return result[:count].copy()
 
 
-@njit(cache=True)
+@compiled
 def _tria_shape(points: Floats, a: int, b: int, c: int) -> float:
     """Area over the sum of squared sides: greatest for the regular tria."""
     p, q, r = points[a], points[b], points[c]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from meshops.kernels.vectors import compiled
 from meshops.mesh import Bools, Ints
 
 
-@njit(cache=True)
+@compiled
 def label_components(
     element_edges: Ints, edge_elements: Ints, crossable: Bools, selected: Bools
 ) -> Ints:
@@ -42,7 +42,7 @@ def label_components(
     return label
 
 
-@njit(cache=True)
+@compiled
 def _root(parent: Ints, corner: int) -> int:
     while parent[corner] != corner:
         parent[corner] = parent[parent[corner]]
@@ -50,7 +50,7 @@ def _root(parent: Ints, corner: int) -> int:
     return corner
 
 
-@njit(cache=True)
+@compiled
 def cut(
     rows: Ints,
     elements: Ints,

@@ -30,12 +30,10 @@ import numpy as np
 from meshops.kernels.measures import (
     CRITERIA,
     PERCENT_TRIAS,
-    compiled,
-    corner_jacobian_min,
-    inlined,
     measure_element,
     measure_elements,
 )
+from meshops.kernels.vectors import compiled, inlined
 from meshops.mesh import Bools, Floats, Ints
 
 __all__ = [
@@ -51,7 +49,6 @@ __all__ = [
     "add_values",
     "compound_index",
     "compound_indices",
-    "corner_jacobian_min",
     "criterion_index",
     "measure_element",
     "measure_elements",

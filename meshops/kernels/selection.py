@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from meshops.kernels.vectors import compiled
 from meshops.mesh import Bools, Ints
 
 
-@njit(cache=True)
+@compiled
 def select_ranges(ranges: Ints, count: int) -> Bools:
     """(count,) bool: union of ranges (K, 2) of numbers from 1, ends included, in any order."""
     selected = np.zeros(count, np.bool_)

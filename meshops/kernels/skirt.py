@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from meshops.kernels.vectors import compiled
 from meshops.mesh import Floats, Ints
 
 _HEIGHT = 0.3
 """Of a skirt tria, as a share of its border edge."""
 
 
-@njit(cache=True)
+@compiled
 def skirt_apexes(points: Floats, trias: Ints, border: Ints) -> Floats:
     """One point outside each border edge, in the plane of the tria inside it."""
     apexes = np.empty((len(border), 3))
@@ -39,7 +39,7 @@ def skirt_apexes(points: Floats, trias: Ints, border: Ints) -> Floats:
     return apexes
 
 
-@njit(cache=True)
+@compiled
 def drop_skirt(
     points: Floats, trias: Ints, apexes: Floats, border: Ints, border_nodes: int
 ) -> tuple[Ints, Ints]:

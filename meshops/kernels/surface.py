@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from meshops.kernels.vectors import compiled
 from meshops.mesh import Floats, Ints
 
 
-@njit(cache=True)
+@compiled
 def _closest_on_tria(p: Floats, a: Floats, b: Floats, c: Floats, out: Floats) -> float:
     """Closest point of tria abc to p (Ericson, Real-Time Collision Detection, 5.1.5).
 
@@ -49,7 +49,7 @@ def _closest_on_tria(p: Floats, a: Floats, b: Floats, c: Floats, out: Floats) ->
     return squared
 
 
-@njit(cache=True)
+@compiled
 def bounding_spheres(points: Floats, trias: Ints) -> Floats:
     """(T, 4) float64: centre and radius of a sphere around each tria."""
     spheres = np.empty((len(trias), 4))
@@ -68,7 +68,7 @@ def bounding_spheres(points: Floats, trias: Ints) -> Floats:
     return spheres
 
 
-@njit(cache=True)
+@compiled
 def nearest(
     queries: Floats, points: Floats, trias: Ints, spheres: Floats
 ) -> tuple[Floats, Floats, Ints]:

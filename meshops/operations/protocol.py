@@ -28,8 +28,12 @@ class SearchSpace(Protocol):
     def evaluate(self, genomes: Ids) -> Floats:
         """(P, TALLY_SIZE) tally of the mesh that each genome (P, G) leads to.
 
-        NaN where it does not lead to a valid mesh.
+        NaN where it does not lead to a valid mesh. Where the fitness only counts elements, they
+        need not be measured.
         """
+
+    def tally(self, genome: Ids) -> Floats:
+        """(TALLY_SIZE,) the whole tally of the mesh that one genome (G,) leads to."""
 
     def parameters(self, genome: Ids) -> Ints:
         """(K, C) int32 parameters that a procedure keeps of a genome; no rows: nothing is done."""

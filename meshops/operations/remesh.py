@@ -17,12 +17,8 @@ from meshops.kernels.pairing import (
 )
 from meshops.kernels.quality import TALLY_SIZE
 from meshops.kernels.selection import select_ranges
-from meshops.kernels.smoothing import (
-    all_sound,
-    has_doubles,
-    smooth,
-    sound_elements,
-)
+from meshops.kernels.smoothing import smooth
+from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
 from meshops.mesh import Floats, Ids, Ints
 from meshops.patch import Patch, components, extract, join, stitch
 from meshops.remesher import RemeshError, remesh_isotropic
@@ -41,7 +37,7 @@ LEAST_PAIR = 0.05
 SMOOTHING_SWEEPS = 6
 
 LEAST_CORNER = 0.05
-"""`worst_corner` from which an element counts as sound: neither concave nor nearly flat."""
+"""`corner_jacobian_min` from which an element counts as sound: neither concave nor nearly flat."""
 
 SURFACE_TOLERANCE = 0.1
 """Of the edge length: how far a new element's centre may be from the old surface, and an old node
@@ -96,7 +92,7 @@ class RemeshSpace:
         self._changes: dict[bytes, Floats | None] = {}
         count = len(workpiece.mesh.elements)
         if operation.reach is None:
-            self._sites = np.arange(count)
+            self._sites: Ints = np.arange(count, dtype=np.int32)
             bounds = [count, count]
         else:
             self._sites = workpiece.bad_elements
@@ -118,15 +114,17 @@ class RemeshSpace:
         return runs(np.concatenate(replaced)) if replaced else ranges[:0]
 
     def evaluate(self, genomes: Ids) -> Floats:
-        """Remesh the patches of each genome and add up what that changes."""
-        tallies = np.empty((len(genomes), TALLY_SIZE))
-        for row, genome in enumerate(genomes):
-            tallies[row] = self.workpiece.tally
-            for rows in select(self.workpiece, self._ranges(genome)):
-                change = self._change(rows)
-                if change is not None:
-                    tallies[row] += change
-        return tallies
+        """Remesh the patches of each genome."""
+        return np.stack([self.tally(genome) for genome in genomes])
+
+    def tally(self, genome: Ids) -> Floats:
+        """Add up what the patches of one genome change."""
+        tally = self.workpiece.tally
+        for rows in select(self.workpiece, self._ranges(genome)):
+            change = self._change(rows)
+            if change is not None:
+                tally = tally + change
+        return tally
 
     def _ranges(self, genome: Ids) -> Ints:
         first, second = genome.reshape(-1, 2).T
@@ -139,7 +137,7 @@ class RemeshSpace:
         return ranges
 
     def _change(self, rows: Ints) -> Floats | None:
-        """What remeshing a patch adds to the tally; None where the patch stays as it is."""
+        """Find what remeshing a patch adds to the tally; None where the patch stays."""
         key = rows.tobytes()
         if key not in self._changes:
             edit, change = replace_patch(self.workpiece, rows)
@@ -172,9 +170,7 @@ def replace_patch(workpiece: Workpiece, rows: Ints) -> tuple[Edit, Floats]:
     if anew is None:
         return Edit(), np.zeros(TALLY_SIZE)
     points, elements = anew
-    change = workpiece.tally_of(points, elements) - workpiece.tally_of(
-        patch.points, patch.elements
-    )
+    change = workpiece.tally_of(points, elements) - workpiece.tally_of(patch.points, patch.elements)
     return stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements), change
 
 
@@ -206,10 +202,12 @@ def remesh_patch(patch: Patch, size: float | None) -> tuple[Floats, Ints] | None
     sound = sound_elements(points, elements, LEAST_CORNER)
     if not sound.all():
         elements = split_quads(points, elements, ~sound)
+        if not sound_elements(points, elements, LEAST_CORNER).all():
+            return None
     normals = surface.normals_at(points, elements, SURFACE_TOLERANCE * edge)
-    if normals is None or not all_sound(points, elements, normals, LEAST_CORNER):
+    if normals is None or not all_facing(points, elements, normals):
         return None
-    if has_doubles(elements, len(points), np.ones(len(elements), bool)):
+    if has_doubles(elements, len(points)):
         return None
     if not surface.is_covered(patch, points, elements, SURFACE_TOLERANCE * edge):
         return None

@@ -123,12 +123,18 @@ class ReplaceNodeSpace:
 
     def evaluate(self, genomes: Ids) -> Floats:
         """Merge the pairs of each genome at once; pairs that overlap make no mesh (section 3.1)."""
-        return self.tallies(genomes)
+        return self.tallies(genomes, measured=self.workpiece.setting.fitness.kind != "trias")
 
-    def tallies(self, genomes: Ids) -> Floats:
-        """(P, TALLY_SIZE) tallies of genomes of any length."""
+    def tally(self, genome: Ids) -> Floats:
+        """Merge the pairs of one genome."""
+        tally: Floats = self.tallies(genome[None])[0]
+        return tally
+
+    def tallies(self, genomes: Ids, *, measured: bool = True) -> Floats:
+        """(P, TALLY_SIZE) tallies of genomes of any length, elements measured or just counted."""
         mesh = self.workpiece.mesh
-        tallies: Floats = evaluate_merges(
+        levels, weights, active, penalties, normalised = self.workpiece.setting.scoring.arrays
+        return evaluate_merges(
             genomes,
             self.pool,
             self.on_border,
@@ -137,9 +143,12 @@ class ReplaceNodeSpace:
             *self._around,
             *self._of_elements,
             self.workpiece.tally,
-            *self.workpiece.setting.scoring.arrays,
+            levels,
+            weights,
+            active if measured else np.zeros_like(active),
+            penalties,
+            normalised,
         )
-        return tallies
 
 
 def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:

@@ -1,0 +1,88 @@
+"""Whole new files for a mesh that comes from no deck."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from meshops.formats.difference import deck_corners
+from meshops.formats.fortran import real_field
+from meshops.formats.ids import IdSet, with_new_ids
+from meshops.formats.nastran_cards import Form, card_lines
+from meshops.formats.output import write_whole
+from meshops.formats.suffixes import ABAQUS, NASTRAN, check_writable_suffix
+from meshops.mesh import Ids, ShellMesh
+
+_LARGEST_ID = 99_999_999
+
+
+def write_mesh(
+    mesh: ShellMesh, path: Path, *, cell_data: Mapping[str, ArrayLike] | None = None
+) -> None:
+    """Write a mesh as a new file in the format of the suffix.
+
+    A deck gets the nodes and shells alone: region r becomes property r, or set REGION_r; where
+    regions start below 1, they are counted from 1.
+
+    Parameters
+    ----------
+    cell_data : mapping of str to (M,) or (M, k) arrays
+        Values of the elements in their order, for .vtu alone.
+
+    Raises
+    ------
+    InputError
+        Where the suffix is of no known format or the file cannot be written.
+    """
+    check_writable_suffix(path)
+    suffix = path.suffix.lower()
+    if suffix in NASTRAN + ABAQUS:
+        rows = _nastran(mesh) if suffix in NASTRAN else _abaqus(mesh)
+        text = "\n".join([*rows, ""])
+        write_whole(path, lambda temporary: temporary.write_text(text))
+        return
+    from meshops.formats.interchange import write_interchange
+
+    write_interchange(mesh, path, cell_data)
+
+
+def _nastran(mesh: ShellMesh) -> list[str]:
+    node_ids, element_ids, corners, properties = _numbers(mesh)
+    rows = ["CEND", "BEGIN BULK"]
+    for node, point in zip(node_ids.tolist(), mesh.points.tolist(), strict=True):
+        rows += card_lines("GRID", [str(node), "", *map(real_field, point)], Form(wide=True))
+    for values in zip(element_ids.tolist(), properties.tolist(), corners.tolist(), strict=True):
+        element, pid, nodes = values
+        name = "CQUAD4" if nodes[3] else "CTRIA3"
+        fields = [str(value) for value in (element, pid, *nodes) if value]
+        rows += card_lines(name, fields, Form())
+    return [*rows, "ENDDATA"]
+
+
+def _abaqus(mesh: ShellMesh) -> list[str]:
+    node_ids, element_ids, corners, properties = _numbers(mesh)
+    rows = ["*NODE"]
+    for node, point in zip(node_ids.tolist(), mesh.points.tolist(), strict=True):
+        rows.append(", ".join([str(node), *map(repr, point)]))
+    kinds = np.where(mesh.is_tria, "S3R", "S4R")
+    for pid in np.unique(properties):
+        for kind in ("S4R", "S3R"):
+            some = np.flatnonzero((properties == pid) & (kinds == kind))
+            rows += [f"*ELEMENT, TYPE={kind}, ELSET=REGION_{pid}"] if len(some) else []
+            for element, nodes in zip(
+                element_ids[some].tolist(), corners[some].tolist(), strict=True
+            ):
+                rows.append(", ".join(str(value) for value in (element, *nodes) if value))
+    return rows
+
+
+def _numbers(mesh: ShellMesh) -> tuple[Ids, Ids, Ids, Ids]:
+    """Node ids, element ids, corners and property ids, all positive."""
+    node_ids = with_new_ids(mesh.node_ids, IdSet(), _LARGEST_ID)
+    element_ids = with_new_ids(mesh.element_ids, IdSet(), _LARGEST_ID)
+    shift = 1 - min(int(mesh.region.min(initial=1)), 1)
+    properties = mesh.region.astype(np.int64) + shift
+    return node_ids, element_ids, deck_corners(mesh, node_ids), properties

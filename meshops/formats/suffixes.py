@@ -1,0 +1,31 @@
+"""Which suffix means which format."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from meshops.errors import InputError
+
+NASTRAN = (".bdf", ".dat", ".nas", ".blk")
+ABAQUS = (".inp",)
+INTERCHANGE = (".vtu", ".msh", ".stl", ".obj", ".off")
+KNOWN = NASTRAN + ABAQUS + INTERCHANGE
+
+
+def check_suffix(path: Path) -> None:
+    """Raise InputError where the suffix of ``path``, in capitals or not, is of no known format."""
+    if path.suffix.lower() not in KNOWN:
+        suffix = f"the suffix '{path.suffix}'" if path.suffix else "no suffix"
+        raise InputError(f"{path} has {suffix}: use one of {' '.join(KNOWN)}.")
+
+
+def check_writable_suffix(path: Path) -> None:
+    """Raise InputError where a mesh cannot be written to ``path``, to be called early.
+
+    That is where the suffix is of no known format, the path is a folder or its folder is a file.
+    """
+    check_suffix(path)
+    if path.is_dir():
+        raise InputError(f"{path} is a folder: name a file to write to.")
+    if path.parent.exists() and not path.parent.is_dir():
+        raise InputError(f"{path.parent} is not a folder: choose another place to write to.")

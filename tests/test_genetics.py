@@ -1,0 +1,94 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from islands.genetics import Breeding, crossover, mutate, next_generation, roulette
+
+
+def rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+def test_roulette_draws_in_proportion_to_fitness() -> None:
+    drawn = roulette(np.array([1.0, 2.0, 5.0]), 40_000, rng())
+    share = np.bincount(drawn, minlength=3) / len(drawn)
+    assert share == pytest.approx([1 / 8, 2 / 8, 5 / 8], abs=0.01)
+
+
+def test_window_scaling_measures_from_the_worst() -> None:
+    drawn = roulette(np.array([99.0, 99.1, 99.3]), 40_000, rng(), scaling="window")
+    share = np.bincount(drawn, minlength=3) / len(drawn)
+    assert share == pytest.approx([0, 1 / 4, 3 / 4], abs=0.01)
+
+
+@pytest.mark.parametrize("scaling", ["proportional", "window"])
+def test_individuals_without_a_mesh_are_not_drawn(scaling: str) -> None:
+    drawn = roulette(np.array([-np.inf, 3.0, -np.inf, 2.0]), 500, rng(), scaling=scaling)
+    assert set(drawn) <= {1, 3}
+
+
+def test_roulette_survives_a_population_without_any_mesh() -> None:
+    assert set(roulette(np.full(3, -np.inf), 300, rng())) == {0, 1, 2}
+
+
+def test_negative_fitness_still_prefers_the_fitter() -> None:
+    drawn = roulette(np.array([-239.0, -200.0, -230.0]), 2_000, rng())
+    share = np.bincount(drawn, minlength=3)
+    assert share[1] > share[2] > share[0]
+
+
+def test_crossover_swaps_tails_at_one_point() -> None:
+    parents = np.array([[0] * 8, [1] * 8] * 50)
+    children = crossover(parents, 1.0, rng())
+    for first, second in zip(children[::2], children[1::2], strict=True):
+        assert (first + second == 1).all()
+        assert np.count_nonzero(np.diff(first)) == 1
+        assert first[0] == 0
+        assert first[-1] == 1
+
+
+def test_crossover_happens_at_its_rate() -> None:
+    parents = np.array([[0] * 8, [1] * 8] * 5_000)
+    children = crossover(parents, 0.95, rng())[::2]
+    assert (children != 0).any(axis=1).mean() == pytest.approx(0.95, abs=0.01)
+
+
+def test_mutation_draws_genes_anew_at_its_rate() -> None:
+    bounds = np.array([1000, 2000])
+    mutated = mutate(np.full((20_000, 2), -1), bounds, 0.05, rng())
+    assert (mutated >= 0).mean() == pytest.approx(0.05, abs=0.005)
+    assert mutated[:, 0].max() < 1000 <= mutated[:, 1].max() < 2000
+
+
+@settings(deadline=None)
+@given(
+    st.integers(2, 12),
+    st.integers(1, 7),
+    st.integers(0, 3),
+    st.sampled_from(["proportional", "window"]),
+    st.integers(0, 2**32),
+)
+def test_generations_keep_size_and_bounds(
+    individuals: int, genes: int, elites: int, scaling: str, seed: int
+) -> None:
+    random = rng(seed)
+    bounds = random.integers(1, 9, genes)
+    genomes = random.integers(0, bounds, (individuals, genes))
+    fitness = random.normal(size=individuals)
+    breeding = Breeding(individuals=individuals, elites=elites, scaling=scaling)  # type: ignore[arg-type]
+    following = next_generation(genomes, fitness, bounds, breeding, random)
+    assert following.shape == genomes.shape
+    assert (following >= 0).all()
+    assert (following < bounds).all()
+    best = np.argsort(-fitness, kind="stable")[:elites]
+    assert (following[: len(best)] == genomes[best]).all()
+
+
+def test_genomes_are_copied_not_shared() -> None:
+    genomes = np.zeros((4, 3), np.int64)
+    following = next_generation(
+        genomes, np.ones(4), np.array([5, 5, 5]), Breeding(individuals=4, elites=2), rng()
+    )
+    following[:] = 9
+    assert (genomes == 0).all()
