@@ -17,21 +17,21 @@ INVALID = -np.inf
 """Fitness of an individual that makes no valid mesh: it is never selected and recorded as 0."""
 
 PRICE = 0.01
-"""What one operation of a procedure costs, as a share of what one tria costs."""
+"""What one operation of a procedure costs, on the scale of q in `Fitness`."""
 
 
 @dataclass(frozen=True)
 class Fitness:
-    """Higher is better; 100 is a mesh without fault.
+    """One number for how good a mesh is; higher is better and 100 is a mesh without fault.
 
     ``trias`` is the paper's (section 3.2): 100 minus the number of trias. It falls below 0 on a
     mesh with more than 100 trias.
 
     ``quality`` orders meshes as an engineer does: fewer failed elements first, then fewer trias,
     then a lower compound Q.I., less a small price for each operation used, which section 5.3 of
-    the paper wishes for. With n the number of elements that the run started from, it is
-    ``100 - (failed + (trias + (q + price) / 2) / (n + 1)) * 100 / (n + 1)`` where q is the compound
-    Q.I. per element, brought into [0, 1) by x / (1 + x), and the price is below 1.
+    the paper wishes for: ``100 - failed - (trias + (q + price) / 2) / (n + 1)``. Here n is the
+    number of elements that the run started from, q is the compound Q.I. per element brought into
+    [0, 1) by x / (1 + x), and the price is ``PRICE`` for each operation, at most 1.
 
     Attributes
     ----------
@@ -52,7 +52,6 @@ class Fitness:
         else:
             index = compound_indices(usable, *scoring.arrays) / (self.elements + 1)
             finish = (index / (1.0 + index) + min(PRICE * operations, 1.0)) / 2.0
-            radix = self.elements + 1.0
-            values = 100.0 - (usable[:, FAILED] + (usable[:, TRIAS] + finish) / radix) * 100 / radix
+            values = 100.0 - usable[:, FAILED] - (usable[:, TRIAS] + finish) / (self.elements + 1)
         fitness: Floats = np.where(valid, values, INVALID)
         return fitness

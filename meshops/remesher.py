@@ -1,8 +1,9 @@
 """Isotropic remeshing of a tria patch by pymeshlab: the only file that imports it.
 
 What was measured of pymeshlab shapes this file: open borders move unless the patch has a skirt of
-unselected trias; flags that a call leaves out keep the value of an earlier call; selecting by an
-expression crashes on a mesh built from arrays; non-finite coordinates crash the filter.
+unselected trias; nodes at the same place become one; flags that a call leaves out keep the value of
+an earlier call; selecting by an expression crashes on a mesh built from arrays; non-finite
+coordinates crash the filter.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ from __future__ import annotations
 import numpy as np
 import pymeshlab
 
-from meshops.kernels.skirt import drop_skirt, skirt_apexes
+from meshops.kernels.skirt import skirt_apexes
 from meshops.mesh import Floats, Ints
 
 SWEEPS = 2
 """Iterations of split, collapse, flip, smooth and project."""
 
 _LARGEST = 1e6
+
+_NUDGE = 1e-9
+"""Of the edge length: how far nodes at the same place, as on a slit, are set apart."""
 
 
 class RemeshError(Exception):
@@ -47,14 +51,15 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     RemeshError
         Where coordinates are not usable or the border did not come back whole.
     """
-    border_nodes = int(border.max()) + 1
+    border_nodes = int(border.max()) + 1 if len(border) else 0
     if not np.isfinite(points).all() or not 0.0 < size < np.inf:
         raise RemeshError("coordinates and size must be finite")
     origin = points[0]
     extent = float(np.abs(points - origin).max())
     if extent > _LARGEST * size:
         raise RemeshError(f"the patch is over {_LARGEST:.0e} times as large as the edge length")
-    apexes = skirt_apexes(points, trias, border)
+    nudge = max(_NUDGE * size, 4.0 * float(np.spacing(np.abs(points).max())))
+    places = _apart(np.concatenate([points, skirt_apexes(points, trias, border)]), nudge)
     skirt = np.empty((len(border), 3), np.int32)
     skirt[:, 0], skirt[:, 1] = border[:, 1], border[:, 0]
     skirt[:, 2] = np.arange(len(points), len(points) + len(border))
@@ -62,13 +67,7 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     selected[: len(trias)] = 1.0
 
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(
-        pymeshlab.Mesh(
-            np.concatenate([points, apexes]),
-            np.concatenate([trias, skirt]),
-            f_scalar_array=selected,
-        )
-    )
+    meshes.add_mesh(pymeshlab.Mesh(places, np.concatenate([trias, skirt]), f_scalar_array=selected))
     meshes.compute_selection_by_scalar_per_face(minq=0.5, maxq=2.0)
     meshes.meshing_isotropic_explicit_remeshing(
         iterations=SWEEPS,
@@ -89,11 +88,46 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     out_trias = remeshed.face_matrix().astype(np.int32)
     if not np.isfinite(out_points).all():
         raise RemeshError("remeshing left the finite numbers")
-    rows, inner = drop_skirt(out_points, out_trias, apexes, border, border_nodes)
-    if len(rows) == 0:
-        raise RemeshError("remeshing changed the border")
-    order = np.argsort(rows, kind="stable")[np.count_nonzero(rows < 0) :]
-    new_points = out_points[order]
-    if not np.array_equal(new_points[:border_nodes], points[:border_nodes]):
+    inside = remeshed.face_scalar_array() > 0.5
+    rows = _rows_by_skirt(out_trias[~inside], border, border_nodes, len(out_points))
+    new_points = np.empty((len(out_points) - len(border), 3))
+    new_points[rows[rows >= 0]] = out_points[rows >= 0]
+    # projecting to the surface may have moved the border by the last digits
+    moved = np.abs(new_points[:border_nodes] - places[:border_nodes])
+    if (moved > nudge).any():
         raise RemeshError("remeshing moved the border")
-    return new_points, rows[inner]
+    new_points[:border_nodes] = points[:border_nodes]
+    return new_points, rows[out_trias[inside]]
+
+
+def _rows_by_skirt(skirt: Ints, border: Ints, border_nodes: int, nodes: int) -> Ints:
+    """Find the new row of each remeshed node, -1 for an apex of the skirt.
+
+    The skirt comes back as it went in, tria for tria, and names the nodes of the border; all others
+    are inside.
+    """
+    if len(skirt) != len(border):
+        raise RemeshError("remeshing changed the border")
+    inside = -2
+    rows = np.full(nodes, inside, np.int32)
+    rows[skirt[:, :2]] = border[:, ::-1]
+    rows[skirt[:, 2]] = -1
+    if (
+        not np.array_equal(rows[skirt[:, :2]], border[:, ::-1])
+        or np.count_nonzero(rows >= 0) != border_nodes
+    ):
+        raise RemeshError("remeshing changed the border")
+    new = rows == inside
+    rows[new] = np.arange(border_nodes, border_nodes + np.count_nonzero(new), dtype=np.int32)
+    return rows
+
+
+def _apart(places: Floats, step: float) -> Floats:
+    """Move nodes that are where an earlier one is by a step: pymeshlab would make them one."""
+    _, inverse, counts = np.unique(places, axis=0, return_inverse=True, return_counts=True)
+    if len(counts) == len(places):
+        return places
+    order = np.argsort(inverse.ravel(), kind="stable")
+    earlier = np.empty(len(places))
+    earlier[order] = np.arange(len(places)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return places + step * earlier[:, None]

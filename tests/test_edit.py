@@ -36,7 +36,7 @@ def edits(draw):
         result[rng.random(count) < 0.4, 3] = -1
         return result
 
-    moved = rng.permutation(n + new_nodes)[: rng.integers(0, 4)].astype(np.int32)
+    moved = rng.permutation(n)[: rng.integers(0, 4)].astype(np.int32)
     return mesh, Edit(
         removed=removed.astype(np.int32),
         rewired=rewired.astype(np.int32),

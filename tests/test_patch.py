@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshops.edit import apply
+from meshops.mesh import ShellMesh
 from meshops.patch import components, extract, join, stitch
 from meshops.topology import topology
 from tests.meshes import (
@@ -51,6 +52,10 @@ def contents(mesh):
         turned = min(tuple(places[k:] + places[:k]) for k in range(len(places)))
         found[turned, int(region)] += 1
     return found
+
+
+def in_the_skin(mesh):
+    return (mesh.points[mesh.elements, 2] == 0).all(axis=1)
 
 
 def put_back(mesh, patch):
@@ -139,8 +144,7 @@ def test_elements_that_must_stay_are_in_no_patch(case):
 def test_nodes_on_a_slit_are_in_the_patch_once_on_either_side():
     skin = sheet(6, 4)
     mesh = joined(skin, rib(3, 1, at=2.0, start=1.0))
-    flat = mesh.points[mesh.elements[:, 2], 2] == 0
-    (patch,) = patches_of(mesh, flat)
+    (patch,) = patches_of(mesh, in_the_skin(mesh))
     places = Counter(map(tuple, patch.points))
     twice = {at for at, times in places.items() if times == 2}
     assert twice == {(2.0, 2.0, 0.0), (3.0, 2.0, 0.0)}  # its ends at 1 and 4 are there once
@@ -150,8 +154,7 @@ def test_nodes_on_a_slit_are_in_the_patch_once_on_either_side():
 
 def test_a_rib_that_starts_at_the_border_opens_the_patch_there():
     mesh = joined(sheet(4, 2), rib(2, 1, at=1.0, start=0.0))
-    flat = mesh.points[mesh.elements[:, 2], 2] == 0
-    (patch,) = patches_of(mesh, flat)
+    (patch,) = patches_of(mesh, in_the_skin(mesh))
     twice = {at for at, times in Counter(map(tuple, patch.points)).items() if times == 2}
     assert twice == {(0.0, 1.0, 0.0), (1.0, 1.0, 0.0)}
 
@@ -178,8 +181,6 @@ def test_a_mesh_without_border_is_a_patch_without_border():
     )
     ahead, up = np.roll(node, -1, axis=0), np.roll(node, -1, axis=1)
     quads = np.stack([node, ahead, np.roll(ahead, -1, axis=1), up], axis=-1).reshape(-1, 4)
-    from meshops.mesh import ShellMesh
-
     mesh = ShellMesh.build(points.reshape(-1, 3), quads)
     (patch,) = patches_of(mesh, np.ones(len(quads), bool))
     assert patch.border_nodes == len(patch.border) == 0

@@ -10,7 +10,6 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
 from meshops.kernels.measures import (
-from meshops.kernels.vectors import corner_jacobian_min
     ASPECT_RATIO,
     CHORDAL_DEV,
     CRITERIA,
@@ -26,6 +25,7 @@ from meshops.kernels.vectors import corner_jacobian_min
     WARPAGE,
     measure_element,
 )
+from meshops.kernels.vectors import corner_jacobian_min
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 TRIA = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, sqrt(3) / 2, 0]])

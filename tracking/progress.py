@@ -147,13 +147,13 @@ def _before(mesh: MeshSummary) -> str:
 def _line(report: GenerationReport) -> str:
     return (
         f"generation {report.generation}  island {report.island}  "
-        f"fitness {report.best_so_far:.1f}  failed {report.failed}  trias {report.trias}  "
+        f"fitness {report.best_so_far:.3f}  failed {report.failed}  trias {report.trias}  "
         f"Q.I. {report.compound_qi:.2f}  evaluations {report.evaluations}  {report.seconds:.1f} s"
     )
 
 
 def _end(finished: RunFinished) -> str:
     return (
-        f"{finished.status}: {finished.reason}  fitness {finished.fitness:.1f}  "
+        f"{finished.status}: {finished.reason}  fitness {finished.fitness:.3f}  "
         f"evaluations {finished.evaluations}  {finished.seconds:.1f} s"
     )

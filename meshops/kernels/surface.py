@@ -20,6 +20,7 @@ def _closest_on_tria(p: Floats, a: Floats, b: Floats, c: Floats, out: Floats) ->
     d1 = abx * apx + aby * apy + abz * apz
     d2 = acx * apx + acy * apy + acz * apz
     v, w = 0.0, 0.0
+    # d1 - d3 and d2 - d6 are squared lengths: 0 where a side has none
     if not (d1 <= 0.0 and d2 <= 0.0):
         bpx, bpy, bpz = p[0] - b[0], p[1] - b[1], p[2] - b[2]
         d3 = abx * bpx + aby * bpy + abz * bpz
@@ -30,11 +31,11 @@ def _closest_on_tria(p: Floats, a: Floats, b: Floats, c: Floats, out: Floats) ->
         va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
         if d3 >= 0.0 and d4 <= d3:
             v = 1.0
-        elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        elif vc <= 0.0 and d1 >= 0.0 and d3 <= 0.0 and d1 > d3:
             v = d1 / (d1 - d3)
         elif d6 >= 0.0 and d5 <= d6:
             w = 1.0
-        elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        elif vb <= 0.0 and d2 >= 0.0 and d6 <= 0.0 and d2 > d6:
             w = d2 / (d2 - d6)
         elif va <= 0.0 and d4 >= d3 and d5 >= d6:
             w = (d4 - d3) / ((d4 - d3) + (d5 - d6))

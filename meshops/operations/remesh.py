@@ -59,8 +59,8 @@ class Remesh:
         only where that makes the mesh fitter.
     """
 
-    ranges: int = 10
-    reach: int | None = 100
+    ranges: int = 20
+    reach: int | None = 40
     name: str = "remesh"
     code: int = 0
 
