@@ -15,12 +15,11 @@ from dataclasses import dataclass
 from multiprocessing import get_context
 from typing import Any
 
-from meshops.examples import plate
-
 from benchmarks.report import Row, parser, publish
 from islands.config import load_config
 from islands.run import Finished, Job, run, start_executor
-from meshops.criteria import load_criteria
+from meshops.criteria_files import load_criteria
+from meshops.examples import plate
 from tracking.events import Event, GenerationReport
 
 REPLACE_NODE = {30: 74.0, 100: 75.0, 200: 76.0}

@@ -59,7 +59,6 @@ def main() -> None:
 def example(name: str, out: Path) -> None:
     """Write an example mesh; `plate` is the test piece of the paper."""
     from meshops.examples import EXAMPLES
-
     from meshops.formats import write_mesh
 
     _refuse_to_overwrite(out)
@@ -76,7 +75,7 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
     import json
 
     from islands.results import write_text
-    from meshops.criteria import load_criteria
+    from meshops.criteria_files import load_criteria
     from meshops.formats import read_deck
     from meshops.quality import median_edge
     from meshops.quality_index import quality_index
@@ -151,10 +150,9 @@ def replay(procedure: Path, mesh: Path, out: Path) -> None:
 @_SIZE
 def picture(mesh: Path, out: Path, criteria: str | None, size: float | None) -> None:
     """Draw a mesh, with its trias and failed elements in colour."""
-    from meshops.pictures import draw
-
-    from meshops.criteria import load_criteria
+    from meshops.criteria_files import load_criteria
     from meshops.formats import read_deck
+    from meshops.pictures import draw
     from meshops.quality import median_edge
 
     _refuse_to_overwrite(out)
@@ -178,7 +176,7 @@ def _optimize(source: Path, out: Path, config: Config, *, overwrite: bool, quiet
 
     from islands.results import prepare_folder, write_results
     from islands.run import Job, run, start_executor
-    from meshops.criteria import load_criteria
+    from meshops.criteria_files import load_criteria
     from meshops.formats import read_deck
 
     started = time.monotonic()

@@ -200,26 +200,6 @@ class Scoring:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
-def load_criteria(text: str) -> Criteria:
-    """Return the criteria set that ``text`` names: "standard", "paper" or a file.
-
-    Files are TOML (``.toml``) or HyperMesh's text (``.criteria``, ``.txt``). Raises InputError
-    where there is no such set or file, or where the file cannot be understood.
-    """
-    if text in BUILT_IN:
-        return BUILT_IN[text]
-    from meshops import criteria_files
-
-    return criteria_files.read(text)
-
-
-def dump_criteria(criteria: Criteria) -> str:
-    """Return TOML that loads back as an equal set."""
-    from meshops import criteria_files
-
-    return criteria_files.dump(criteria)
-
-
 def _rises(values: tuple[float, ...] | list[float]) -> bool:
     return all(a <= b for a, b in pairwise(values)) and values[0] < values[-1]
 

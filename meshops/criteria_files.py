@@ -71,8 +71,14 @@ OTHER_LINE = re.compile(
 )
 
 
-def read(file: str | Path) -> Criteria:
-    """Read a criteria file; raises InputError where it cannot be understood."""
+def load_criteria(file: str) -> Criteria:
+    """Return the criteria set that ``file`` names: "standard", "paper" or a file.
+
+    Files are TOML (``.toml``) or HyperMesh's text (``.criteria``, ``.txt``). Raises InputError
+    where there is no such set or file, or where the file cannot be understood.
+    """
+    if file in BUILT_IN:
+        return BUILT_IN[file]
     path = Path(file)
     readers = {".toml": parse_toml, ".criteria": parse_hypermesh, ".txt": parse_hypermesh}
     if not path.is_file():
@@ -91,7 +97,7 @@ def read(file: str | Path) -> Criteria:
         raise InputError(f"{file}: {error}") from None
 
 
-def dump(criteria: Criteria) -> str:
+def dump_criteria(criteria: Criteria) -> str:
     """Write a set as TOML that loads back equal."""
     name = json.dumps(criteria.name, ensure_ascii=False).replace("\x7f", "\\u007f")
     penalties = ", ".join(

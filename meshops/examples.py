@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from meshops.kernels.pairing import match_greedily, merge_pairs, pair_shapes, tria_neighbours
-from meshops.mesh import Bools, Floats, Ids, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.topology import topology
 
 SIZE = 5.0
@@ -63,7 +63,7 @@ def plate() -> ShellMesh:
     element_order = _along_diagonals(centres)
     return ShellMesh.build(
         points[node_order],
-        np.where(elements < 0, elements, number[elements])[element_order],
+        _from_lowest(np.where(elements < 0, NO_NODE, number[elements]))[element_order],
         locked_nodes=locked_nodes[node_order],
         locked_elements=locked_elements[element_order],
     )
@@ -96,15 +96,13 @@ def _ring() -> Ints:
 
 
 def _transition_and_lattice(points: Floats) -> Ints:
-    """(T, 3) Delaunay trias outside the ring, counter-clockwise and in a fixed order."""
+    """(T, 3) Delaunay trias outside the ring, counter-clockwise."""
     from scipy.spatial import Delaunay
 
     hole, ring = _COUNTS[:2]
     trias = Delaunay(points[hole:, :2]).simplices.astype(np.int32)
-    trias = trias[(trias >= ring).any(axis=1)] + np.int32(hole)
-    first = trias.argmin(axis=1)[:, None]
-    trias = np.take_along_axis(trias, (first + np.arange(3)) % 3, axis=1)
-    return np.ascontiguousarray(trias[np.lexsort(trias.T[::-1])])
+    outside: Ints = trias[(trias >= ring).any(axis=1)] + np.int32(hole)
+    return outside
 
 
 def _recombined(points: Floats, trias: Ints) -> Ints:
@@ -128,3 +126,12 @@ def _along_diagonals(places: Floats) -> Ids:
     """(n,) rows in the order of the paper's numbers."""
     x, y = places[:, 0], places[:, 1]
     return np.lexsort([y - x, np.round((x + y) / SIZE)])
+
+
+def _from_lowest(elements: Ids) -> Ids:
+    """Turn each element so that its lowest node comes first, whichever way it was made."""
+    size = np.where(elements[:, 3:] == NO_NODE, 3, 4)
+    first = np.where(elements == NO_NODE, len(elements) * 4, elements).argmin(axis=1)[:, None]
+    corner = np.arange(4)
+    turned = np.where(corner < size, (first + corner) % size, corner)
+    return np.take_along_axis(elements, turned, axis=1)

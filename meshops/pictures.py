@@ -89,20 +89,16 @@ def _draw_panels(
     figure = Figure(figsize=(panel_width * len(panels), total), dpi=_DPI, facecolor="white")
     pixels = _DPI * min(panel_width / width, panel_height / height)
 
-    counts = dict.fromkeys(KINDS, 0)
-    locked = 0
+    kinds = [_kinds(mesh, scoring) for _, mesh in panels]
     for place, (title, mesh) in enumerate(panels):
         box = (place / len(panels), _FOOTER / total, 1 / len(panels), panel_height / total)
         axes = figure.add_axes(box)
         axes.set(xlim=window[:, 0], ylim=window[:, 1], aspect="equal")
         axes.set_axis_off()
-        kinds = _kinds(mesh, scoring)
-        axes.add_collection(_collection(mesh, kinds, view, pixels))
+        axes.add_collection(_collection(mesh, kinds[place], view, pixels))
         _write_header(figure, box, total, title, _summary(mesh, scoring))
-        for kind, count in zip(KINDS, np.bincount(kinds, minlength=len(KINDS)), strict=True):
-            counts[kind] = int(count) if len(panels) == 1 else max(counts[kind], int(count))
-        locked += int(mesh.locked_elements.sum())
-    _write_legend(figure, counts, locked, with_counts=len(panels) == 1)
+    locked = sum(int(mesh.locked_elements.sum()) for _, mesh in panels)
+    _write_legend(figure, np.concatenate(kinds), locked, with_counts=len(panels) == 1)
     write_whole(path, lambda temporary: figure.savefig(temporary, format="png"))
 
 
@@ -237,17 +233,21 @@ def _write_header(
             ha="center",
             va="center",
             color=_INK,
+            parse_math=False,
         )
 
 
-def _write_legend(figure: Any, counts: dict[str, int], locked: int, *, with_counts: bool) -> None:
+def _write_legend(figure: Any, kinds: Ints, locked: int, *, with_counts: bool) -> None:
     from matplotlib.patches import Patch
 
+    counts = np.bincount(kinds, minlength=len(KINDS)).tolist()
     entries: list[tuple[Any, str, int]] = [
-        (KINDS[kind], kind, count) for kind, count in counts.items() if count
+        (colour, kind, count)
+        for (kind, colour), count in zip(KINDS.items(), counts, strict=True)
+        if count
     ]
     if locked:
-        entries.append((_greyer(np.array(_rgb(KINDS["quad"]))), "of them locked", locked))
+        entries.append((_greyer(np.array(_rgb(KINDS["quad"]))), "locked", locked))
     handles = [
         Patch(
             facecolor=colour,

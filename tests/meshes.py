@@ -7,7 +7,8 @@ they judge but the definition of a barrier.
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -254,12 +255,15 @@ def centre(mesh, row):
     return mesh.points[corners(mesh.elements[row])].mean(axis=0)
 
 
-def area_vector(mesh, row):
-    """Half the sum of cross products around the element (Newell)."""
-    points = mesh.points[corners(mesh.elements[row])]
-    return sum(np.cross(p, q) for p, q in zip(points, np.roll(points, -1, axis=0), strict=True)) / 2
+@lru_cache(maxsize=8)
+def area_vectors(mesh):
+    """Half the sum of cross products around each element (Newell)."""
+    nodes = np.where(mesh.elements < 0, mesh.elements[:, [2]], mesh.elements)
+    points = mesh.points[nodes]
+    return np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1) / 2
 
 
+@lru_cache(maxsize=8)
 def users(mesh):
     """(low, high) of each edge -> [(element, whether it runs from low to high)]."""
     found = defaultdict(list)
@@ -269,9 +273,13 @@ def users(mesh):
     return dict(found)
 
 
+@lru_cache(maxsize=8)
 def crossable_edges(mesh, feature_angle=30.0):
     """The edges that no barrier is on, by the definition in Topology."""
     result = set()
+    vectors = area_vectors(mesh)
+    lengths = [np.sqrt(v @ v) for v in vectors]
+    least = np.cos(np.radians(feature_angle))
     for edge, uses in users(mesh).items():
         if len(uses) != 2:
             continue
@@ -280,11 +288,10 @@ def crossable_edges(mesh, feature_angle=30.0):
             continue
         if mesh.locked_elements[one] or mesh.locked_elements[two]:
             continue
-        u, v = area_vector(mesh, one), area_vector(mesh, two)
-        cosine = u @ v / max(np.linalg.norm(u) * np.linalg.norm(v), 1e-300)
-        if cosine >= np.cos(np.radians(feature_angle)):
+        size = lengths[one] * lengths[two]
+        if size > 0 and vectors[one] @ vectors[two] >= least * size:
             result.add(edge)
-    return result
+    return frozenset(result)
 
 
 def fans(mesh):
@@ -334,28 +341,48 @@ def barriers(mesh):
     )
 
 
-def border_places(mesh):
-    """Places of the nodes on edges with one element."""
-    single = [edge for edge, uses in users(mesh).items() if len(uses) == 1]
-    return {place(mesh, node) for edge in single for node in edge}
+def straightened(sides):
+    """Directed sides by places, those in one line as one side."""
+    following, leading = defaultdict(list), defaultdict(list)
+    for a, b in sides:
+        following[a].append(b)
+        leading[b].append(a)
+
+    def is_bend(at):
+        if len(following[at]) != 1 or len(leading[at]) != 1:
+            return True
+        u = np.subtract(at, leading[at][0])
+        v = np.subtract(following[at][0], at)
+        return np.linalg.norm(np.cross(u, v)) > 1e-9 * np.linalg.norm(u) * np.linalg.norm(v)
+
+    found = []
+    for a in [at for at in following if is_bend(at)]:
+        for b in following[a]:
+            while not is_bend(b):
+                (b,) = following[b]
+            found.append((a, b))
+    return found
 
 
 @dataclass(frozen=True)
 class Zone:
-    """What an operation may not change in an area that barriers bound."""
+    """What an operation may not change in an area that barriers bound, and its trias and sides."""
 
     outline: frozenset
     region: int
     euler: int
     area_vector: np.ndarray
     area: float
-    elements: tuple[int, ...]
+    trias: int
+    sides: int
 
 
-def zones(mesh):
-    """Areas bounded by barriers, each with its directed sides on them as its name."""
-    crossable = crossable_edges(mesh)
-    edge_users = users(mesh)
+def zones(mesh, *, straight=False):
+    """Areas bounded by barriers, each with its directed sides on them as its name.
+
+    `straight`: sides in one line count as one.
+    """
+    crossable, edge_users, vectors = crossable_edges(mesh), users(mesh), area_vectors(mesh)
     left = set(range(len(mesh.elements)))
     found = []
     while left:
@@ -370,38 +397,35 @@ def zones(mesh):
                 if edge in crossable:
                     todo += [other for other, _ in edge_users[edge]]
         left -= members
+        members = sorted(members)
         directed = [side for row in members for side in sides(mesh.elements[row])]
         edges = {(min(side), max(side)) for side in directed}
-        outline = Counter(
+        outline = [
             (place(mesh, a), place(mesh, b))
             for a, b in directed
             if (min(a, b), max(a, b)) not in crossable
-        )
-        nodes = {node for side in directed for node in side}
-        vectors = [area_vector(mesh, row) for row in members]
+        ]
         found.append(
             Zone(
-                outline=frozenset(outline.items()),
-                region=int(mesh.region[min(members)]),
-                euler=len(nodes) - len(edges) + len(members),
-                area_vector=np.sum(vectors, axis=0),
-                area=float(sum(np.linalg.norm(v) for v in vectors)),
-                elements=tuple(sorted(members)),
+                outline=frozenset(Counter(straightened(outline) if straight else outline).items()),
+                region=int(mesh.region[members[0]]),
+                euler=len({node for side in directed for node in side}) - len(edges) + len(members),
+                area_vector=vectors[members].sum(axis=0),
+                area=float(np.linalg.norm(vectors[members], axis=1).sum()),
+                trias=int(np.count_nonzero(mesh.is_tria[members])),
+                sides=len(outline),
             )
         )
     return found
 
 
-def without_elements(zone):
-    return replace(zone, elements=())
-
-
 def unsound(mesh, least=0.0):
     """Rows of elements with a corner that is flat or turns the wrong way round their normal."""
     found = []
+    vectors = area_vectors(mesh)
     for row, element in enumerate(mesh.elements):
         nodes = corners(element)
-        normal = area_vector(mesh, row)
+        normal = vectors[row]
         length = np.linalg.norm(normal)
         if len(set(nodes)) < len(nodes) or length == 0:
             found.append(row)
@@ -431,21 +455,26 @@ def doubles(mesh):
     ]
 
 
-def distance_to_trias(query, trias):
-    """Distance of a point to (T, 3, 3) trias: the foot on each plane where it is inside, or else
-    the nearest point of the three sides."""
-    best = np.inf
-    for a, b, c in trias:
-        for p, q in ((a, b), (b, c), (c, a)):
-            along = (q - p) @ (q - p)
-            t = np.clip((query - p) @ (q - p) / along, 0, 1) if along > 0 else 0.0
-            best = min(best, np.linalg.norm(query - (p + t * (q - p))))
-        normal = np.cross(b - a, c - a)
-        if normal @ normal == 0:
-            continue
-        foot = query - (query - a) @ normal / (normal @ normal) * normal
-        if all(
-            np.cross(q - p, foot - p) @ normal >= 0 for p, q in ((a, b), (b, c), (c, a))
-        ):
-            best = min(best, np.linalg.norm(query - foot))
-    return best
+def distances_to_trias(query, trias):
+    """Distance of a point to each of (T, 3, 3) trias: to the foot on its plane where that is
+    inside, or else to the nearest of its sides."""
+    a, b, c = np.swapaxes(trias, 0, 1)
+    normal = np.cross(b - a, c - a)
+    square = np.maximum((normal**2).sum(axis=1), 1e-300)
+    height = ((query - a) * normal).sum(axis=1) / square
+    foot = query - height[:, None] * normal
+    best = np.full(len(trias), np.inf)
+    inside = (normal != 0).any(axis=1)
+    for p, q in ((a, b), (b, c), (c, a)):
+        along = np.maximum(((q - p) ** 2).sum(axis=1), 1e-300)
+        t = np.clip(((query - p) * (q - p)).sum(axis=1) / along, 0, 1)
+        best = np.minimum(best, np.linalg.norm(query - (p + t[:, None] * (q - p)), axis=1))
+        inside &= (np.cross(q - p, foot - p) * normal).sum(axis=1) >= 0
+    return np.where(inside, np.linalg.norm(query - foot, axis=1), best)
+
+
+def trias_of(mesh):
+    """(T, 3, 3) corners of the mesh with both ways to split each quad, so T is 4 a quad."""
+    quads = mesh.elements[~mesh.is_tria]
+    parts = [quads[:, [i, j, k]] for i, j, k in ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))]
+    return mesh.points[np.concatenate([mesh.elements[mesh.is_tria, :3], *parts])]

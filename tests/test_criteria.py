@@ -19,9 +19,8 @@ from meshops.criteria import (
     STANDARD,
     Criteria,
     Criterion,
-    dump_criteria,
-    load_criteria,
 )
+from meshops.criteria_files import dump_criteria, load_criteria
 from meshops.errors import InputError
 
 HYPERMESH = """\

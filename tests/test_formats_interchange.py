@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
+from meshops.examples import EXAMPLES
 from meshops.formats import KNOWN, read_deck, write_mesh
 from meshops.mesh import NO_NODE, ShellMesh
 
@@ -86,6 +87,20 @@ def test_ids_are_kept_and_new_ones_given(mesh, tmp_path):
         again = read_deck(tmp_path / name).mesh
         assert again.node_ids.tolist() == [100, *range(1, 11), 101]
         assert sorted(again.element_ids.tolist()) == [3, 4, 5, 6, 7, 50, 51, 52]
+
+
+@pytest.mark.parametrize("suffix", [".bdf", ".inp"])
+def test_locks_are_kept_in_a_new_deck(tmp_path, suffix):
+    plate = EXAMPLES["plate"]()
+    path = tmp_path / f"plate{suffix}"
+    write_mesh(plate, path)
+    again = read_deck(path).mesh
+    assert again.locked_nodes.tolist() == plate.locked_nodes.tolist()
+    for mesh in (plate, again):
+        assert mesh.locked_elements.sum() == 19
+    assert set(again.element_ids[again.locked_elements]) == set(
+        plate.element_ids[plate.locked_elements]
+    )
 
 
 def test_plane_points_and_other_cells(tmp_path):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from meshops.formats.difference import deck_corners
 from meshops.formats.fortran import real_field
 from meshops.formats.ids import IdSet, with_new_ids
+from meshops.formats.interchange_output import write_interchange
 from meshops.formats.nastran_cards import Form, card_lines
 from meshops.formats.output import write_whole
 from meshops.formats.suffixes import ABAQUS, NASTRAN, check_writable_suffix
@@ -24,8 +25,9 @@ def write_mesh(
 ) -> None:
     """Write a mesh as a new file in the format of the suffix.
 
-    A deck gets the nodes and shells alone: region r becomes property r, or set REGION_r; where
-    regions start below 1, they are counted from 1.
+    A deck gets the nodes and shells: region r becomes property r, or set REGION_r; where regions
+    start below 1, they are counted from 1. What is locked is named by SET3 cards, or by a node set
+    and a surface, so that it is locked again when the deck is read.
 
     Parameters
     ----------
@@ -44,8 +46,6 @@ def write_mesh(
         text = "\n".join([*rows, ""])
         write_whole(path, lambda temporary: temporary.write_text(text))
         return
-    from meshops.formats.interchange import write_interchange
-
     write_interchange(mesh, path, cell_data)
 
 
@@ -59,6 +59,10 @@ def _nastran(mesh: ShellMesh) -> list[str]:
         name = "CQUAD4" if nodes[3] else "CTRIA3"
         fields = [str(value) for value in (element, pid, *nodes) if value]
         rows += card_lines(name, fields, Form())
+    for number, (kind, ids) in enumerate(_locked(mesh, node_ids, element_ids), 1):
+        if len(ids):
+            named = ("GRID", "ELEM")[kind == "elements"]
+            rows += card_lines("SET3", [str(number), named, *map(str, ids)], Form())
     return [*rows, "ENDDATA"]
 
 
@@ -76,7 +80,19 @@ def _abaqus(mesh: ShellMesh) -> list[str]:
                 element_ids[some].tolist(), corners[some].tolist(), strict=True
             ):
                 rows.append(", ".join(str(value) for value in (element, *nodes) if value))
+    for kind, ids in _locked(mesh, node_ids, element_ids):
+        if len(ids) and kind == "nodes":
+            rows += ["*NSET, NSET=LOCKED", *(f"{node}," for node in ids)]
+        elif len(ids):
+            rows += ["*SURFACE, NAME=LOCKED, TYPE=ELEMENT", *(f"{e}, SPOS" for e in ids)]
     return rows
+
+
+def _locked(mesh: ShellMesh, node_ids: Ids, element_ids: Ids) -> list[tuple[str, list[int]]]:
+    return [
+        ("nodes", node_ids[mesh.locked_nodes].tolist()),
+        ("elements", element_ids[mesh.locked_elements].tolist()),
+    ]
 
 
 def _numbers(mesh: ShellMesh) -> tuple[Ids, Ids, Ids, Ids]:
