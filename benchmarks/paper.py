@@ -30,15 +30,16 @@ REMESH, INTEGRATION = 93.0, 89.0
 
 DIFFERENCES = """
 Where and why ours differ:
-- The paper's meshes come from HyperMesh, whose Automesh leaves trias that its Remesh keeps making.
-  Ours pairs the trias of pymeshlab's isotropic remeshing by a matching of greatest cardinality, so
-  a remeshed patch has a tria only where the parity of its border asks for one, or where a pair
-  would be a flat corner on the fixed border. That lifts RemeshGA and, through it, IntegrationGA.
-- ReplaceNode merges along the outer border too, at the second node or half-way; every merge that
-  would invert an element or tear the mesh makes the individual invalid, as overlapping pairs do.
-  The pool of 100 pairs is the best quarter of 400 drawn; the paper does not say how many it drew.
-- The paper reports one run. It does not say whether its figure is the best individual of all
-  generations or of the last; ours is the best of all.
+- RemeshGA, and IntegrationGA through it: the paper remeshes by HyperMesh's Automesh. Ours pairs
+  the trias of pymeshlab's isotropic remeshing by a matching of greatest cardinality, so a
+  remeshed patch has a tria only where the parity of its border asks for one, or where the only
+  pair would be a flat corner on the fixed border.
+- ReplaceNodeGA: ours also merges along the straight outer border, where a merge adds one tria and
+  not two, and half-way between two nodes. A merge that would invert an element or tear the mesh
+  makes its individual invalid, as overlapping pairs do in the paper. The pool of 100 pairs is the
+  best quarter of 400 drawn; the paper does not say how many it drew.
+- The paper shows one run of each, and does not say whether its figure is of the best individual
+  of all generations or of the last. Ours is the best of all generations.
 """
 
 

@@ -51,6 +51,9 @@ def main() -> None:
         sentence = str(error)
         click.echo(f"meshipelago: {sentence[:1].upper()}{sentence[1:]}", err=True)
         sys.exit(BAD_INPUT)
+    except OSError as error:
+        click.echo(f"meshipelago: {error.filename}: {error.strerror}.", err=True)
+        sys.exit(BAD_INPUT)
 
 
 @cli.command()
@@ -138,7 +141,9 @@ def optimize(
 def replay(procedure: Path, mesh: Path, out: Path) -> None:
     """Perform a procedure again on the mesh that it was found on."""
     from islands.replay import replay_file
+    from meshops.formats import check_writable_suffix
 
+    check_writable_suffix(out)
     _refuse_to_overwrite(out)
     click.echo(replay_file(procedure, mesh, out))
 
@@ -184,7 +189,7 @@ def _optimize(source: Path, out: Path, config: Config, *, overwrite: bool, quiet
     job = Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
     executor = start_executor(job, started + (config.time_limit or float("inf")))
     try:
-        prepare_folder(out, overwrite=overwrite)
+        prepare_folder(out, source, overwrite=overwrite)
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # after Ray has set its own
         recorder = _recorder(out, config, quiet=quiet)
         try:

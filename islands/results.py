@@ -8,22 +8,27 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from meshops.pictures import draw
-
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
 from meshops.formats import Deck, write_mesh
+from meshops.pictures import draw
 from meshops.quality import element_index
 
 
-def prepare_folder(folder: Path, *, overwrite: bool) -> None:
-    """Make the run folder; raises InputError where it is in use and may not be overwritten."""
+def prepare_folder(folder: Path, source: Path, *, overwrite: bool) -> None:
+    """Make the run folder.
+
+    Raises InputError where it is in use and may not be overwritten, and where the user's deck is
+    in it.
+    """
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file; name another folder with --out.")
     if folder.is_dir() and any(folder.iterdir()) and not overwrite:
         raise InputError(
             f"{folder} is not empty; name another folder with --out, or say --overwrite."
         )
+    if (folder / source.name).resolve() == source.resolve():
+        raise InputError(f"{source} lies in {folder}; name another folder with --out.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -173,6 +173,7 @@ BAD_CALLS = {
     "bad size": "deck.bdf --out run --size -1",
     "folder in use": "deck.bdf --out used",
     "out is a file": "deck.bdf --out deck.bdf",
+    "out holds the deck": "deck.bdf --out . --overwrite",
     "unreachable Ray": "deck.bdf --out run --backend ray --address 127.0.0.1:1",
     "no Ray address": "deck.bdf --out run --backend ray --address nonsense",
     "one operation on islands": "deck.bdf --out run --operation remesh --islands 2",

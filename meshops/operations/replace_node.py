@@ -10,7 +10,7 @@ from meshops.edit import Edit
 from meshops.kernels.merging import evaluate_merges, rewire
 from meshops.kernels.quality import CRITERIA, ELEMENTS, compound_indices, measure_elements
 from meshops.kernels.smoothing import elements_of_nodes
-from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.topology import Topology, element_normals
 from meshops.workpiece import Workpiece
 
@@ -183,13 +183,16 @@ def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:
 def straight_border_nodes(topology: Topology) -> Bools:
     """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier."""
     mesh = topology.mesh
+    locked = mesh.locked_nodes.copy()
+    corners = mesh.elements[mesh.locked_elements]
+    locked[corners[corners != NO_NODE]] = True
     barriers = np.bincount(topology.edges[~topology.crossable].ravel(), minlength=len(mesh.points))
     edges = topology.edges[topology.is_border]
     ends = np.concatenate([edges[:, 0], edges[:, 1]])
     others = np.concatenate([edges[:, 1], edges[:, 0]])
     borders = np.bincount(ends, minlength=len(mesh.points))
     fans = np.bincount(topology.fans[1], minlength=len(mesh.points))
-    nodes = np.nonzero((borders == 2) & (barriers == 2) & (fans == 1) & ~mesh.locked_nodes)[0]
+    nodes = np.nonzero((borders == 2) & (barriers == 2) & (fans == 1) & ~locked)[0]
     order = np.argsort(ends, kind="stable")
     first = np.searchsorted(ends[order], nodes)
     one = mesh.points[others[order[first]]] - mesh.points[nodes]
