@@ -141,6 +141,18 @@ def annulus(around=16, rings=4, *, seed=0, jitter=0.0):
     return ShellMesh.build(points, elements)
 
 
+def torus(around=36, along=60):
+    """A mesh without any border."""
+    node = np.arange(around * along).reshape(around, along)
+    u = 2 * np.pi * np.arange(around)[:, None] / around
+    v = 2 * np.pi * np.arange(along)[None, :] / along
+    radius = 5 + np.cos(u)
+    points = np.stack([radius * np.cos(v), radius * np.sin(v), np.sin(u) + 0 * v], axis=-1)
+    ahead, up = np.roll(node, -1, axis=0), np.roll(node, -1, axis=1)
+    quads = np.stack([node, ahead, np.roll(ahead, -1, axis=1), up], axis=-1)
+    return ShellMesh.build(points.reshape(-1, 3), quads.reshape(-1, 4))
+
+
 def with_(mesh, **changes):
     """The mesh with other arrays."""
     return ShellMesh.build(**{**mesh.__getstate__(), **changes})
@@ -260,6 +272,7 @@ def area_vectors(mesh):
     """Half the sum of cross products around each element (Newell)."""
     nodes = np.where(mesh.elements < 0, mesh.elements[:, [2]], mesh.elements)
     points = mesh.points[nodes]
+    points = points - points[:, :1]
     return np.cross(points, np.roll(points, -1, axis=1)).sum(axis=1) / 2
 
 

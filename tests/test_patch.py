@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshops.edit import apply
-from meshops.mesh import ShellMesh
 from meshops.patch import components, extract, join, stitch
 from meshops.topology import topology
 from tests.meshes import (
@@ -23,6 +22,7 @@ from tests.meshes import (
     rib,
     sheet,
     sides,
+    torus,
     users,
 )
 
@@ -112,7 +112,7 @@ def test_the_border_of_a_patch_is_its_sides_on_barriers_and_to_elements_outside(
 @bounded
 @given(selections())
 def test_a_patch_is_manifold(case):
-    """Each side has one other or is on the border, once; each border node has one way in and out."""
+    """A side has one other or is on the border; a border node has one way in and one out."""
     mesh, selected = case
     for patch in patches_of(mesh, selected):
         directed = Counter(side for element in patch.elements for side in sides(element))
@@ -171,17 +171,7 @@ def test_nothing_selected_is_no_patch_and_an_empty_edit():
 
 
 def test_a_mesh_without_border_is_a_patch_without_border():
-    """A torus: no node is on the border, so all of them are new ones."""
-    around, along = 24, 40
-    node = np.arange(around * along).reshape(around, along)
-    u = 2 * np.pi * np.arange(around)[:, None] / around
-    v = 2 * np.pi * np.arange(along)[None, :] / along
-    points = np.stack(
-        [(5 + np.cos(u)) * np.cos(v), (5 + np.cos(u)) * np.sin(v), np.sin(u) + 0 * v], axis=-1
-    )
-    ahead, up = np.roll(node, -1, axis=0), np.roll(node, -1, axis=1)
-    quads = np.stack([node, ahead, np.roll(ahead, -1, axis=1), up], axis=-1).reshape(-1, 4)
-    mesh = ShellMesh.build(points.reshape(-1, 3), quads)
-    (patch,) = patches_of(mesh, np.ones(len(quads), bool))
+    mesh = torus()
+    (patch,) = patches_of(mesh, np.ones(len(mesh.elements), bool))
     assert patch.border_nodes == len(patch.border) == 0
     assert contents(apply(mesh, put_back(mesh, patch))) == contents(mesh)

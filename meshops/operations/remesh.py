@@ -60,7 +60,7 @@ class Remesh:
     """
 
     ranges: int = 20
-    reach: int | None = 40
+    reach: int | None = 100
     name: str = "remesh"
     code: int = 0
 

@@ -1,0 +1,323 @@
+"""Remesh: what it selects, what comes out, and what it refuses."""
+
+from collections import Counter
+from itertools import pairwise
+
+import numpy as np
+import pymeshlab
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from meshops.criteria import STANDARD
+from meshops.edit import apply
+from meshops.fitness import Fitness
+from meshops.kernels.quality import FAILED, TRIAS
+from meshops.operations import Remesh
+from meshops.operations.remesh import remesh_patch, replace_patch, runs, select
+from meshops.patch import components, extract
+from meshops.remesher import RemeshError, remesh_isotropic
+from meshops.topology import topology
+from meshops.workpiece import Setting, Workpiece
+from tests.meshes import (
+    CURVED_KINDS,
+    FLAT_KINDS,
+    annulus,
+    barriers,
+    cylinder,
+    folded,
+    in_two_regions,
+    joined,
+    make,
+    meshes,
+    paraboloid,
+    rib,
+    sheet,
+    sides,
+    torus,
+    unsound,
+    with_,
+)
+
+PAPER = Remesh(ranges=5, reach=None)
+bounded = settings(max_examples=40, deadline=None)
+
+
+def workpiece(mesh, *, element_size=None):
+    fitness = Fitness("quality", len(mesh.elements))
+    return Workpiece(mesh, Setting(STANDARD.at(1.0), fitness, element_size=element_size))
+
+
+def remeshed(mesh, *ranges, element_size=None):
+    ranges = np.array(ranges or [(1, len(mesh.elements))], np.int32)
+    return apply(mesh, PAPER.apply(workpiece(mesh, element_size=element_size), ranges))
+
+
+# --- what comes out -----------------------------------------------------------------------------
+
+
+def test_a_rough_sheet_comes_out_without_tria_and_with_few_failed_elements():
+    mesh = sheet(8, 8, seed=4, jitter=0.35, trias=0.4)
+    before, after = workpiece(mesh), workpiece(remeshed(mesh))
+    assert before.tally[TRIAS] > 30
+    assert before.tally[FAILED] > 10
+    assert after.tally[TRIAS] == 0
+    assert after.tally[FAILED] <= 3
+
+
+@settings(max_examples=40, deadline=None)
+@given(meshes(FLAT_KINDS + CURVED_KINDS), st.integers(0, 10**6))
+def test_nearly_every_patch_can_be_remeshed(mesh, seed):
+    """Ragged ones too, with slits, and parts that touch in a node."""
+    piece = workpiece(mesh)
+    selected = np.random.default_rng(seed).random(len(mesh.elements)) < 0.85
+    for rows in components(piece.topology, selected):
+        if len(rows) > 1:
+            patch = extract(piece.topology, rows)
+            anew = remesh_patch(patch, None)
+            assert anew is not None
+            trias = np.count_nonzero(anew[1][:, 3] < 0)
+            assert trias % 2 == len(patch.border) % 2
+
+
+def patch_of(mesh):
+    found = topology(mesh)
+    (rows,) = components(found, np.ones(len(mesh.elements), bool))
+    return extract(found, rows)
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [
+        sheet(7, 6, seed=1, jitter=0.3),
+        annulus(seed=1, jitter=0.1),
+        cylinder(sheet(7, 6, seed=1, jitter=0.15)),
+        paraboloid(sheet(7, 6, seed=1, jitter=0.15)),
+    ],
+    ids=["sheet", "annulus", "cylinder", "paraboloid"],
+)
+def test_the_law_of_parity_holds_in_a_patch(mesh):
+    patch = patch_of(mesh)
+    _, elements = remesh_patch(patch, None)
+    directed = {side for element in elements for side in sides(element)}
+    inner = sum(side[::-1] in directed for side in directed) // 2
+    trias = np.count_nonzero(elements[:, 3] < 0)
+    quads = len(elements) - trias
+    assert 4 * quads + 3 * trias == 2 * inner + len(patch.border)
+    assert {side for side in directed if side[::-1] not in directed} == set(
+        map(tuple, patch.border.tolist())
+    )
+
+
+def test_the_skin_around_a_rib_that_ends_inside_is_remeshed_on_both_sides():
+    mesh = joined(sheet(6, 6, seed=2, trias=0.8), rib(3, 2, at=3.0, start=1.0))
+    after = remeshed(mesh)
+    assert np.count_nonzero(after.is_tria) < np.count_nonzero(mesh.is_tria) / 4
+    assert barriers(after) == barriers(mesh)
+    assert topology(after).is_t_junction.sum() == 3
+
+
+def test_parts_of_a_patch_that_touch_in_a_node_stay_together_there():
+    """A ring of eight quads of which one opens it: its ends touch in a node."""
+    mesh = sheet(3, 3)
+    ring = [1, 2, 3, 4, 6, 7, 8]  # without the middle and the upper left
+    after = remeshed(mesh, *((n, n) for n in ring))
+    assert barriers(after) == barriers(mesh)
+    assert not unsound(after)
+
+
+def test_a_closed_surface_is_remeshed():
+    mesh = torus()
+    after = remeshed(mesh)
+    assert set(after.element_ids) == {0}
+    assert not unsound(after)
+    assert barriers(after) == Counter()
+    nodes, edges = len(after.points), len(topology(after).edges)
+    assert nodes - edges + len(after.elements) == 0
+
+
+def test_the_size_of_the_elements_can_be_given():
+    mesh = sheet(12, 12)
+    coarse, fine = remeshed(mesh, element_size=2.0), remeshed(mesh, element_size=0.5)
+    assert len(coarse.elements) < 100 < 250 < len(fine.elements)
+    assert barriers(coarse) == barriers(fine) == barriers(mesh)
+
+
+def test_size_is_kept_where_none_is_given():
+    mesh = sheet(10, 10, seed=5, jitter=0.2)
+    assert len(remeshed(mesh).elements) == pytest.approx(100, abs=10)
+    tiny = with_(mesh, points=mesh.points * 1e-3)
+    assert len(remeshed(tiny).elements) == pytest.approx(100, abs=10)
+
+
+def test_a_sheet_far_from_the_origin_is_remeshed():
+    mesh = sheet(6, 6, seed=5, jitter=0.2, trias=0.3)
+    far = with_(mesh, points=mesh.points + np.array([1e6, -2e6, 3e6]))
+    after = remeshed(far)
+    assert set(after.element_ids) == {0}
+    assert barriers(after) == barriers(far)
+
+
+def test_what_pymeshlab_was_called_with_before_does_not_matter():
+    mesh = make("paraboloid", 3)
+    once = remeshed(mesh).digest
+    other = pymeshlab.MeshSet(verbose=False)
+    other.create_sphere()
+    other.meshing_isotropic_explicit_remeshing(
+        iterations=1, adaptive=True, splitflag=False, collapseflag=False, swapflag=False,
+        smoothflag=False, reprojectflag=False, checksurfdist=True,
+    )  # fmt: skip
+    assert remeshed(mesh).digest == once
+
+
+@bounded
+@given(meshes(FLAT_KINDS), st.integers(0, 10**6))
+def test_patches_at_once_are_patches_one_by_one(mesh, seed):
+    """By what they add to the tally, as their numbers differ."""
+    piece = workpiece(mesh)
+    ranges = np.random.default_rng(seed).integers(1, len(mesh.elements) + 1, (3, 2))
+    edit = PAPER.apply(piece, ranges.astype(np.int32))
+    alone = [replace_patch(piece, rows)[1] for rows in select(piece, ranges)]
+    total = np.sum(alone, axis=0) if alone else 0 * piece.tally
+    np.testing.assert_allclose(piece.tally_change(edit), total, atol=1e-9)
+
+
+# --- what is selected ---------------------------------------------------------------------------
+
+
+def selected(mesh, *ranges):
+    return [rows.tolist() for rows in select(workpiece(mesh), np.array(ranges, np.int32))]
+
+
+def test_ranges_are_united_whichever_way_they_run():
+    mesh = sheet(4, 3)
+    assert selected(mesh, (2, 4), (6, 3)) == [[1, 2, 3, 4, 5]]
+    assert selected(mesh, (5, 5)) == [[4]]
+    assert selected(mesh, (1, 1), (3, 3), (9, 10)) == [[0], [2], [8, 9]]
+
+
+def test_a_selection_is_split_by_regions_folds_and_locks():
+    mesh = sheet(4, 1)
+    assert selected(mesh, (1, 4)) == [[0, 1, 2, 3]]
+    assert selected(in_two_regions(mesh, 2.0), (1, 4)) == [[0, 1], [2, 3]]
+    assert selected(folded(mesh, 3.0), (1, 4)) == [[0, 1, 2], [3]]
+    locked = with_(mesh, locked_elements=[False, True, False, False])
+    assert selected(locked, (1, 4)) == [[0], [2, 3]]
+
+
+def test_one_element_alone_is_not_remeshed():
+    assert PAPER.apply(workpiece(sheet(3, 3)), np.array([(5, 5)], np.int32)).is_empty
+
+
+@given(st.sets(st.integers(0, 60), min_size=1))
+def test_runs_cover_just_their_rows(rows):
+    found = runs(np.array(sorted(rows, key=lambda row: -row), np.int32))
+    covered = [n for low, high in found.tolist() for n in range(low, high + 1)]
+    assert covered == [row + 1 for row in sorted(rows)]
+    assert all(low - high > 1 for (_, high), (low, _) in pairwise(found))
+
+
+def test_a_mesh_that_is_locked_whole_has_no_genomes():
+    mesh = sheet(3, 3)
+    locked = with_(mesh, locked_elements=np.ones(9))
+    assert Remesh().search_space(workpiece(locked), np.random.default_rng(0)) is None
+
+
+def test_genes_are_the_ends_of_ranges_anywhere_without_reach():
+    mesh = sheet(5, 4)
+    space = PAPER.search_space(workpiece(mesh), np.random.default_rng(0))
+    assert space.bounds.tolist() == [20] * 10
+    genomes = space.draw(np.random.default_rng(1), 500)
+    assert genomes.min() == 0
+    assert genomes.max() == 19
+    assert space.parameters(np.array([0, 4, 19, 7, 3, 3, 1, 2, 5, 6])).tolist() == [
+        [1, 5], [20, 8], [4, 4], [2, 3], [6, 7]
+    ]  # fmt: skip
+
+
+@bounded
+@given(meshes(FLAT_KINDS), st.integers(1, 30), st.integers(0, 10**6))
+def test_with_a_reach_ranges_are_around_bad_elements(mesh, reach, seed):
+    operation = Remesh(ranges=1, reach=reach)
+    piece = workpiece(mesh)
+    space = operation.search_space(piece, np.random.default_rng(0))
+    if space is None:
+        return
+    assert space.bounds.tolist() == [len(piece.bad_elements), min(reach, len(mesh.elements))]
+    for genome in space.draw(np.random.default_rng(seed), 10):
+        rows = [n - 1 for low, high in space.parameters(genome) for n in range(low, high + 1)]
+        site = piece.bad_elements[genome[0]]
+        assert all(abs(row - site) <= (genome[1] + 1) // 2 for row in rows)
+        assert len(rows) <= reach
+
+
+@bounded
+@given(meshes(FLAT_KINDS + CURVED_KINDS), st.integers(0, 10**6))
+def test_with_a_reach_no_genome_makes_a_mesh_less_fit(mesh, seed):
+    operation = Remesh(ranges=1, reach=40)
+    piece = workpiece(mesh)
+    space = operation.search_space(piece, np.random.default_rng(0))
+    if space is None:
+        return
+    genomes = space.draw(np.random.default_rng(seed), 10)
+    fitness = piece.fitness(space.evaluate(genomes))
+    start = piece.fitness(piece.tally[None])[0]
+    for genome, fit in zip(genomes, fitness, strict=True):
+        unchanged = len(space.parameters(genome)) == 0
+        assert fit == start if unchanged else fit > start
+
+
+# --- what is refused ----------------------------------------------------------------------------
+
+SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
+HALVES = np.array([(0, 1, 2), (0, 2, 3)], np.int32)
+RIM = np.array([(0, 1), (1, 2), (2, 3), (3, 0)], np.int32)
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0, np.nan, np.inf, 1e-9])
+def test_sizes_that_make_no_mesh_are_refused(size):
+    with pytest.raises(RemeshError, match=r"finite|large"):
+        remesh_isotropic(SQUARE, HALVES, RIM, size)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, 1e200])
+def test_coordinates_that_make_no_mesh_are_refused(value):
+    points = SQUARE.copy()
+    points[2, 1] = value
+    with pytest.raises(RemeshError, match=r"finite|large"):
+        remesh_isotropic(points, HALVES, RIM, 0.5)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e30, 1e200])
+def test_a_node_out_of_this_world_is_left_alone(value):
+    mesh = sheet(6, 6, seed=5, jitter=0.2)
+    points = mesh.points.copy()
+    points[24] = value
+    after = remeshed(with_(mesh, points=points))
+    around = (mesh.elements == 24).any(axis=1)
+    assert set(mesh.element_ids[around]) <= set(after.element_ids)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("factor", [1e160, 1e-160])
+def test_numbers_at_the_ends_of_their_range_change_nothing(factor):
+    mesh = sheet(4, 4, seed=5, jitter=0.2)
+    extreme = with_(mesh, points=mesh.points * factor)
+    assert remeshed(extreme).digest == extreme.digest
+
+
+@pytest.mark.parametrize("ranges", [[(0, 3)], [(2, 13)], [(1, 2), (-4, 5)]])
+def test_numbers_that_the_mesh_does_not_have_are_refused(ranges):
+    with pytest.raises(ValueError, match="from 1 to 12"):
+        PAPER.apply(workpiece(sheet(4, 3)), np.array(ranges, np.int32))
+
+
+def test_no_ranges_are_an_empty_edit():
+    assert PAPER.apply(workpiece(sheet(3, 3)), np.zeros((0, 2), np.int32)).is_empty
+
+
+def test_parameters_are_written_as_in_figure_10():
+    ranges = np.array([(33, 301), (317, 243), (9, 9)], np.int32)
+    assert PAPER.format(ranges) == "33-301 317-243 9-9"
+    assert PAPER.format(ranges[:0]) == ""
