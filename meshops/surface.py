@@ -15,6 +15,9 @@ from meshops.patch import Patch
 PLANE_TOLERANCE = 1e-9
 """Of the patch's extent: nodes nearer to a common plane count as on it."""
 
+AREA_TOLERANCE = 1e-9
+"""Of the patch's area: areas that differ by less are the same."""
+
 
 @dataclass(frozen=True, eq=False)
 class PatchSurface:
@@ -26,6 +29,8 @@ class PatchSurface:
     trias : (t, 3) int32
         The patch with its quads split.
     area : float
+    area_vector : (3,) float64
+        Sum of the area vectors of the trias. It follows from the border alone.
     plane : (3,) float64 or None
         The unit normal of a patch that is plane.
     """
@@ -33,6 +38,7 @@ class PatchSurface:
     points: Floats
     trias: Ints
     area: float
+    area_vector: Floats
     plane: Floats | None
 
     @classmethod
@@ -40,8 +46,7 @@ class PatchSurface:
         """Split the patch and see whether it is plane."""
         trias = split_quads(patch.points, patch.elements, np.ones(len(patch.elements), bool))
         trias = np.ascontiguousarray(trias[:, :3])
-        corners = patch.points[trias]
-        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        areas = _area_vectors(patch.points, trias)
         total = areas.sum(axis=0)
         size = float(np.linalg.norm(total))
         plane = None
@@ -51,7 +56,8 @@ class PatchSurface:
             extent = float(np.ptp(patch.points, axis=0).max())
             if np.abs(offset).max() <= PLANE_TOLERANCE * extent and (areas @ normal > 0).all():
                 plane = normal
-        return cls(patch.points, trias, float(np.linalg.norm(areas, axis=1).sum() / 2), plane)
+        area = float(np.linalg.norm(areas, axis=1).sum())
+        return cls(patch.points, trias, area, total, plane)
 
     def mean_edge(self, patch: Patch) -> float:
         """Edge of a square of the mean area, counting a tria as half a quad."""
@@ -79,14 +85,16 @@ class PatchSurface:
         return normals
 
     def is_covered(self, patch: Patch, points: Floats, elements: Ints, tolerance: float) -> bool:
-        """Whether the new elements cover the surface: the same area, no old node left behind."""
+        """Whether the new elements cover the surface: no hole, no lap, no old node left behind."""
         trias = split_quads(points, elements, np.ones(len(elements), bool))[:, :3]
         trias = np.ascontiguousarray(trias)
-        corners = points[trias]
-        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        area = float(np.linalg.norm(areas, axis=1).sum() / 2)
+        areas = _area_vectors(points, trias)
+        missing = float(np.linalg.norm(areas.sum(axis=0) - self.area_vector))
+        if missing > AREA_TOLERANCE * self.area:
+            return False
         if self.plane is not None:
-            return abs(area - self.area) <= 1e-9 * self.area
+            area = float(np.linalg.norm(areas, axis=1).sum())
+            return abs(area - self.area) <= AREA_TOLERANCE * self.area
         old = patch.points[patch.border_nodes :]
         if not len(old):
             return True
@@ -105,6 +113,12 @@ def _centres(points: Floats, elements: Ints) -> Floats:
     corners[tria, 3] = 0.0
     centres: Floats = corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]
     return centres
+
+
+def _area_vectors(points: Floats, trias: Ints) -> Floats:
+    corners = points[trias]
+    vectors: Floats = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return vectors
 
 
 def _as_elements(trias: Ints) -> Ints:

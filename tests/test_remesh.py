@@ -17,6 +17,7 @@ from meshops.operations import Remesh
 from meshops.operations.remesh import remesh_patch, replace_patch, runs, select
 from meshops.patch import components, extract
 from meshops.remesher import RemeshError, remesh_isotropic
+from meshops.surface import PatchSurface
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
@@ -25,6 +26,7 @@ from tests.meshes import (
     annulus,
     barriers,
     cylinder,
+    distances_to_trias,
     folded,
     in_two_regions,
     joined,
@@ -268,6 +270,65 @@ def test_with_a_reach_no_genome_makes_a_mesh_less_fit(mesh, seed):
 
 
 # --- what is refused ----------------------------------------------------------------------------
+
+
+def without_middle(points, trias, border_nodes):
+    middle = np.linalg.norm(points[trias].mean(axis=1) - points.mean(axis=0), axis=1).argmin()
+    return points, np.delete(trias, middle, axis=0)
+
+
+def with_one_twice(points, trias, border_nodes):
+    return points, np.concatenate([trias, trias[:1]])
+
+
+def upside_down(points, trias, border_nodes):
+    return points, np.ascontiguousarray(trias[:, ::-1])
+
+
+def with_a_node_astray(points, trias, border_nodes):
+    points = points.copy()
+    points[-1] += (9.0, 9.0, 0.0)
+    return points, trias
+
+
+def lifted_off(points, trias, border_nodes):
+    points = points.copy()
+    points[border_nodes:, 2] += 0.5
+    return points, trias
+
+
+def not_even_a_mesh(points, trias, border_nodes):
+    raise RemeshError("no")
+
+
+@pytest.mark.parametrize("bend", [lambda mesh: mesh, cylinder], ids=["plane", "cylinder"])
+@pytest.mark.parametrize(
+    "spoil", [without_middle, with_one_twice, upside_down, with_a_node_astray, not_even_a_mesh]
+)
+def test_what_the_remesher_spoils_is_not_put_in(spoil, bend, monkeypatch):
+    patch = patch_of(bend(sheet(6, 6, seed=1, trias=0.3)))
+
+    def spoiled(points, trias, border, size):
+        return spoil(*remesh_isotropic(points, trias, border, size), patch.border_nodes)
+
+    assert remesh_patch(patch, None) is not None
+    monkeypatch.setattr("meshops.operations.remesh.remesh_isotropic", spoiled)
+    monkeypatch.setattr("meshops.operations.remesh.SMOOTHING_SWEEPS", 0)
+    assert remesh_patch(patch, None) is None
+
+
+def test_what_lies_off_the_surface_is_brought_back(monkeypatch):
+    patch = patch_of(cylinder(sheet(6, 6)))
+
+    def spoiled(points, trias, border, size):
+        return lifted_off(*remesh_isotropic(points, trias, border, size), patch.border_nodes)
+
+    monkeypatch.setattr("meshops.operations.remesh.remesh_isotropic", spoiled)
+    points, _ = remesh_patch(patch, None)
+    surface = patch.points[PatchSurface.of(patch).trias]
+    for point in points:
+        assert distances_to_trias(point, surface).min() < 1e-9
+
 
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
 HALVES = np.array([(0, 1, 2), (0, 2, 3)], np.int32)

@@ -171,6 +171,28 @@ def test_a_bent_border_stays():
     assert not movable(mesh)
 
 
+def thin_tube():
+    """Three elements around, two sides of them nearly flat on each other; four rings."""
+    section = [(0, 0.1), (0, -0.1), (1, 0)]
+    points = [(x, y, z) for z in range(4) for x, y in section]
+    quads = [
+        (3 * z + i, 3 * z + j, 3 * z + 3 + j, 3 * z + 3 + i)
+        for z in range(3)
+        for i, j in ((0, 1), (1, 2), (2, 0))
+    ]
+    return ShellMesh.build(points, quads)
+
+
+def test_a_merge_that_would_join_the_mesh_to_itself_is_an_empty_edit():
+    """Both long sides of the tube would have the edge between b and c."""
+    mesh = thin_tube()
+    without_features = Setting(STANDARD.at(1.0), Fitness("quality", 9), feature_angle=180.0)
+    piece = Workpiece(mesh, without_features)
+    a, b = node_at(mesh, 0, 0.1, 1), node_at(mesh, 0, -0.1, 1)
+    assert not model_is_valid(mesh, [(a - 1, b - 1, 0)])
+    assert EVERYTHING.apply(piece, np.array([(a, b, 0)], np.int32)).is_empty
+
+
 # --- valid or not, against a plain model --------------------------------------------------------
 
 

@@ -141,6 +141,13 @@ def test_elements_that_disagree_about_up_are_apart():
     assert topology(partly_flipped(sheet(2, 1), 1.0)).zones.max() == 1
 
 
+def test_elements_folded_back_on_each_other_are_apart_also_where_one_is_flipped():
+    """Their normals agree, but one has its upper side where the other has its lower."""
+    points = [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (1, 1, 0.1), (1, 0, 0.1)]
+    mesh = ShellMesh.build(points, [(0, 3, 2, 1), (0, 5, 4, 1)])
+    assert not topology(mesh).crossable.any()
+
+
 def test_a_node_on_which_another_part_hangs_is_anchored_in_the_skin():
     mesh = joined(sheet(2, 2), needle(1.0, 1.0))
     found = topology(mesh)

@@ -133,9 +133,9 @@ def test_lines_of_a_run():
     lines.close()
     assert stream.getvalue().splitlines() == [
         "plate  seed 7  2 islands  local  before: 120 elements  failed 12  trias 11  Q.I. 3.21",
-        "generation 3  island 1  fitness 92.0  failed 4  trias 8  Q.I. 1.23  evaluations 1200  "
+        "generation 3  island 1  fitness 92.000  failed 4  trias 8  Q.I. 1.23  evaluations 1200  "
         "12.3 s",
-        "finished: all generations done  fitness 96.0  evaluations 1200  12.3 s",
+        "finished: all generations done  fitness 96.000  evaluations 1200  12.3 s",
     ]
 
 

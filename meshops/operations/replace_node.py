@@ -181,18 +181,20 @@ def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:
 
 
 def straight_border_nodes(topology: Topology) -> Bools:
-    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier."""
+    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier.
+
+    Both ends of a fan are barriers, so a node with one fan and two border edges has no others.
+    """
     mesh = topology.mesh
     locked = mesh.locked_nodes.copy()
     corners = mesh.elements[mesh.locked_elements]
     locked[corners[corners != NO_NODE]] = True
-    barriers = np.bincount(topology.edges[~topology.crossable].ravel(), minlength=len(mesh.points))
     edges = topology.edges[topology.is_border]
     ends = np.concatenate([edges[:, 0], edges[:, 1]])
     others = np.concatenate([edges[:, 1], edges[:, 0]])
     borders = np.bincount(ends, minlength=len(mesh.points))
     fans = np.bincount(topology.fans[1], minlength=len(mesh.points))
-    nodes = np.nonzero((borders == 2) & (barriers == 2) & (fans == 1) & ~locked)[0]
+    nodes = np.nonzero((borders == 2) & (fans == 1) & ~locked)[0]
     order = np.argsort(ends, kind="stable")
     first = np.searchsorted(ends[order], nodes)
     one = mesh.points[others[order[first]]] - mesh.points[nodes]
