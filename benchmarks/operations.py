@@ -23,7 +23,7 @@ from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations.remesh import TRIA_OF_QUAD, replace_patch
 from meshops.operations.replace_node import ReplaceNode
 from meshops.patch import Patch, components, extract
-from meshops.remesher import SWEEPS
+from meshops.remesher import isotropic_options
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
@@ -88,20 +88,7 @@ def _bare_call(patch: Patch) -> Callable[[], tuple[Floats, Ints]]:
         meshes = pymeshlab.MeshSet(verbose=False)
         meshes.add_mesh(pymeshlab.Mesh(points, trias, f_scalar_array=selected))
         meshes.compute_selection_by_scalar_per_face(minq=0.5, maxq=2.0)
-        meshes.meshing_isotropic_explicit_remeshing(
-            iterations=SWEEPS,
-            adaptive=False,
-            selectedonly=True,
-            targetlen=pymeshlab.PureValue(size),
-            featuredeg=30.0,
-            checksurfdist=False,
-            maxsurfdist=pymeshlab.PureValue(size),
-            splitflag=True,
-            collapseflag=True,
-            swapflag=True,
-            smoothflag=True,
-            reprojectflag=True,
-        )
+        meshes.meshing_isotropic_explicit_remeshing(**isotropic_options(size))
         mesh = meshes.current_mesh()
         return mesh.vertex_matrix(), mesh.face_matrix()
 

@@ -8,6 +8,8 @@ coordinates crash the filter.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pymeshlab
 
@@ -69,20 +71,7 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(places, np.concatenate([trias, skirt]), f_scalar_array=selected))
     meshes.compute_selection_by_scalar_per_face(minq=0.5, maxq=2.0)
-    meshes.meshing_isotropic_explicit_remeshing(
-        iterations=SWEEPS,
-        adaptive=False,
-        selectedonly=True,
-        targetlen=pymeshlab.PureValue(size),
-        featuredeg=30.0,
-        checksurfdist=False,
-        maxsurfdist=pymeshlab.PureValue(size),
-        splitflag=True,
-        collapseflag=True,
-        swapflag=True,
-        smoothflag=True,
-        reprojectflag=True,
-    )
+    meshes.meshing_isotropic_explicit_remeshing(**isotropic_options(size))
     remeshed = meshes.current_mesh()
     out_points = remeshed.vertex_matrix()
     out_trias = remeshed.face_matrix().astype(np.int32)
@@ -98,6 +87,24 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
         raise RemeshError("remeshing moved the border")
     new_points[:border_nodes] = points[:border_nodes]
     return new_points, rows[out_trias[inside]]
+
+
+def isotropic_options(size: float) -> dict[str, Any]:
+    """Return every option of pymeshlab's isotropic remeshing, none left to an earlier call."""
+    return {
+        "iterations": SWEEPS,
+        "adaptive": False,
+        "selectedonly": True,
+        "targetlen": pymeshlab.PureValue(size),
+        "featuredeg": 30.0,
+        "checksurfdist": False,
+        "maxsurfdist": pymeshlab.PureValue(size),
+        "splitflag": True,
+        "collapseflag": True,
+        "swapflag": True,
+        "smoothflag": True,
+        "reprojectflag": True,
+    }
 
 
 def _rows_by_skirt(skirt: Ints, border: Ints, border_nodes: int, nodes: int) -> Ints:
