@@ -14,6 +14,7 @@ from islands.operation_ga import evolve
 from islands.procedure import Step
 from meshops.edit import apply
 from meshops.fitness import Fitness
+from meshops.kernels.quality import ELEMENTS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
 from meshops.workpiece import Setting, Workpiece
@@ -21,8 +22,11 @@ from meshops.workpiece import Setting, Workpiece
 GENES = 10
 """Genes of an individual (section 4.1)."""
 
-REMEMBERED = 4000
-"""Operation-GA results that an island keeps; the longest unused goes first."""
+REMEMBERED_BYTES = 5e8
+"""Of the meshes that an island remembers; what was unused for longest goes first."""
+
+BYTES_AN_ELEMENT = 150
+"""Of a `ShellMesh`, with its share of nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +146,7 @@ class Evaluator:
         self.root_handle = handle
         self.evaluations = 0
         self._known: OrderedDict[Task, tuple[Outcome, Handle]] = OrderedDict()
+        self._most = int(REMEMBERED_BYTES / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
 
     def evaluate(self, genomes: Ids) -> tuple[Floats, Floats, list[tuple[Step, ...]]]:
         """Score genomes (P, G).
@@ -155,12 +160,9 @@ class Evaluator:
             self._advance(trails, genes)
         tallies = np.stack([trail.tally for trail in trails])
         used = [sum(len(step.parameters) > 0 for step in trail.steps) for trail in trails]
-        scoring, kind = self.problem.setting.scoring, self.problem.fitness
+        scoring, score = self.problem.setting.scoring, self.problem.fitness.of
         fitness = np.concatenate(
-            [
-                kind.of(tally[None], scoring, price)
-                for tally, price in zip(tallies, used, strict=True)
-            ]
+            [score(tally[None], scoring, n) for tally, n in zip(tallies, used, strict=True)]
         )
         return fitness, tallies, [tuple(trail.steps) for trail in trails]
 
@@ -191,5 +193,5 @@ class Evaluator:
             self.evaluations += result[0].evaluations
         for task in wanted:
             self._known.move_to_end(task)
-        while len(self._known) > max(REMEMBERED, len(wanted)):
+        while len(self._known) > max(self._most, len(wanted)):
             self._known.popitem(last=False)

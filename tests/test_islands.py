@@ -97,6 +97,19 @@ def test_common_prefixes_are_evaluated_once(mesh: ShellMesh) -> None:
     assert len(runner.asked) == 3
 
 
+def test_what_was_forgotten_is_found_again_the_same(
+    mesh: ShellMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    genomes = np.array([[0, 0, 1], [1, 0, 0], [1, 1, 2]])
+    remembering, _ = evaluator(job(mesh))
+    expected = remembering.evaluate(genomes)[0]
+    monkeypatch.setattr("islands.integration_ga.REMEMBERED_BYTES", 0)
+    forgetful, runner = evaluator(job(mesh))
+    for _ in range(2):
+        assert (forgetful.evaluate(genomes)[0] == expected).all()
+    assert len(runner.asked) > len(set(runner.asked))
+
+
 def test_doing_nothing_costs_nothing(mesh: ShellMesh) -> None:
     scorer, runner = evaluator(job(mesh))
     fitness, tallies, _ = scorer.evaluate(np.full((1, 3), NOTHING))
