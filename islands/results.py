@@ -13,6 +13,7 @@ from meshops.errors import InputError
 from meshops.formats import Deck, write_mesh
 from meshops.pictures import draw
 from meshops.quality import element_index
+from tracking.journal import HISTORY
 
 
 def prepare_folder(folder: Path, source: Path, *, overwrite: bool) -> None:
@@ -59,7 +60,8 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
         write_text(folder / name, text)
     draw(job.mesh, scoring, folder / "before.png", title=f"{job.name} before")
     draw(done.mesh, scoring, folder / "after.png", title=f"{job.name} after")
-    return [*(folder / name for name in texts), folder / "before.png", folder / "after.png"]
+    others = ("before.png", "after.png", HISTORY)  # the journal makes the history when it closes
+    return [folder / name for name in (*texts, *others)]
 
 
 def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
