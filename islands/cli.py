@@ -48,8 +48,7 @@ def main() -> None:
         click.echo("Interrupted.", err=True)
         sys.exit(INTERRUPTED)
     except (InputError, TrackingError) as error:
-        sentence = str(error)
-        click.echo(f"meshipelago: {sentence[:1].upper()}{sentence[1:]}", err=True)
+        click.echo(f"meshipelago: {error}", err=True)
         sys.exit(BAD_INPUT)
     except OSError as error:
         click.echo(f"meshipelago: {error.filename}: {error.strerror}.", err=True)

@@ -150,6 +150,7 @@ def test_bad_decks(call, tmp_path: Path, name: str) -> None:  # type: ignore[no-
     code, out, err = call("optimize", "bad.bdf", "--out", "run", *FAST)
     assert (code, out) == (2, "")
     assert word in err
+    assert "bad.bdf" in err
     assert err.count("\n") == 1
     assert "Traceback" not in err
     assert set(tmp_path.iterdir()) == before
