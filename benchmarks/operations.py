@@ -76,7 +76,7 @@ def _patch_rows(workpiece: Workpiece, elements: int) -> Ints:
 
 
 def _bare_call(patch: Patch) -> Callable[[], tuple[Floats, Ints]]:
-    surface = PatchSurface.of(patch)
+    surface = PatchSurface.of(patch.points, patch.elements)
     size = TRIA_OF_QUAD * surface.mean_edge(patch)
     apexes = skirt_apexes(patch.points, surface.trias, patch.border)
     outer = np.arange(len(patch.points), len(patch.points) + len(apexes), dtype=np.int32)

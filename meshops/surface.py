@@ -42,22 +42,22 @@ class PatchSurface:
     plane: Floats | None
 
     @classmethod
-    def of(cls, patch: Patch) -> PatchSurface:
-        """Split the patch and see whether it is plane."""
-        trias = split_quads(patch.points, patch.elements, np.ones(len(patch.elements), bool))
+    def of(cls, points: Floats, elements: Ints) -> PatchSurface:
+        """Split the quads of a patch or a mesh and see whether it is plane."""
+        trias = split_quads(points, elements, np.ones(len(elements), bool))
         trias = np.ascontiguousarray(trias[:, :3])
-        areas = _area_vectors(patch.points, trias)
+        areas = _area_vectors(points, trias)
         total = areas.sum(axis=0)
         size = float(np.linalg.norm(total))
         plane = None
         if size > 0:
             normal = total / size
-            offset = (patch.points - patch.points[0]) @ normal
-            extent = float(np.ptp(patch.points, axis=0).max())
+            offset = (points - points[0]) @ normal
+            extent = float(np.ptp(points, axis=0).max())
             if np.abs(offset).max() <= PLANE_TOLERANCE * extent and (areas @ normal > 0).all():
                 plane = normal
         area = float(np.linalg.norm(areas, axis=1).sum())
-        return cls(patch.points, trias, area, total, plane)
+        return cls(points, trias, area, total, plane)
 
     def mean_edge(self, patch: Patch) -> float:
         """Edge of a square of the mean area, counting a tria as half a quad."""

@@ -11,8 +11,10 @@ from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
 from meshops.kernels.quality import tally_elements
-from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
-from meshops.quality import failed_elements
+from meshops.kernels.patches import rings_around
+from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
+from meshops.quality import element_index, failed_elements
+from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology
 
 
@@ -39,10 +41,24 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Workpiece:
-    """A mesh under a setting."""
+    """A mesh under a setting.
+
+    Attributes
+    ----------
+    mesh : ShellMesh
+    setting : Setting
+    reference : PatchSurface or None
+        The surface that nodes must stay on; None: that of the mesh as it is.
+    """
 
     mesh: ShellMesh
     setting: Setting
+    reference: PatchSurface | None = None
+
+    @cached_property
+    def surface(self) -> PatchSurface:
+        """The surface that nodes must stay on."""
+        return self.reference or PatchSurface.of(self.mesh.points, self.mesh.elements)
 
     @cached_property
     def topology(self) -> Topology:
@@ -88,7 +104,36 @@ class Workpiece:
         return bool(after > before)
 
     @cached_property
+    def failing(self) -> Bools:
+        """(M,) bool: which elements fail a criterion."""
+        return failed_elements(self.mesh, self.setting.scoring)
+
+    @cached_property
     def bad_elements(self) -> Ints:
-        """Rows of the elements that fail or are trias; of all where there are none."""
-        bad = np.nonzero(failed_elements(self.mesh, self.setting.scoring) | self.mesh.is_tria)[0]
-        return (bad if len(bad) else np.arange(len(self.mesh.elements))).astype(np.int32)
+        """Rows of the elements that fail or are trias, worst first; of all where there are none.
+
+        Failing elements come first, by their Q.I., then trias; equals in the order of their rows.
+        Elements that no operation may take out are left out.
+        """
+        mesh = self.mesh
+        editable = self.topology.editable
+        index = element_index(mesh, self.setting.scoring)
+        bad = np.nonzero((self.failing | mesh.is_tria) & editable)[0]
+        if not len(bad):
+            bad = np.nonzero(editable)[0]
+        order = np.lexsort((bad, -np.round(index[bad], 9), ~self.failing[bad]))
+        return bad[order].astype(np.int32)
+
+    @cached_property
+    def rings(self) -> Ints:
+        """(M,) int32: across how many crossable edges the nearest bad element is.
+
+        0 for the bad elements themselves; a large number where none can be reached.
+        """
+        rings: Ints = rings_around(
+            self.topology.element_edges,
+            self.topology.edge_elements,
+            self.topology.crossable,
+            self.bad_elements,
+        )
+        return rings

@@ -325,7 +325,7 @@ def test_what_lies_off_the_surface_is_brought_back(monkeypatch):
 
     monkeypatch.setattr("meshops.operations.remesh.remesh_isotropic", spoiled)
     points, _ = remesh_patch(patch, None)
-    surface = patch.points[PatchSurface.of(patch).trias]
+    surface = patch.points[PatchSurface.of(patch.points, patch.elements).trias]
     for point in points:
         assert distances_to_trias(point, surface).min() < 1e-9
 

@@ -91,7 +91,7 @@ def surface_of(mesh):
     found = topology(mesh)
     (rows,) = components(found, np.ones(len(mesh.elements), bool))
     patch = extract(found, rows)
-    return patch, PatchSurface.of(patch)
+    return patch, PatchSurface.of(patch.points, patch.elements)
 
 
 def test_a_plane_patch_knows_its_normal_and_area():
@@ -155,8 +155,9 @@ def test_a_fold_is_a_border_of_surfaces():
     mesh = folded(sheet(4, 2), 2.0)
     found = topology(mesh)
     normals = [
-        PatchSurface.of(extract(found, rows)).plane
+        PatchSurface.of(patch.points, patch.elements).plane
         for rows in components(found, np.ones(len(mesh.elements), bool))
+        for patch in [extract(found, rows)]
     ]
     assert np.array(normals) == pytest.approx(np.array([(0, 0, 1), (-1, 0, 0)]))
 

@@ -7,6 +7,9 @@ import numpy as np
 from meshops.kernels.vectors import compiled
 from meshops.mesh import Bools, Ints
 
+FAR = 1 << 30
+"""Rings to an element that cannot be reached."""
+
 
 @compiled
 def label_components(
@@ -40,6 +43,39 @@ def label_components(
                     top += 1
         components += 1
     return label
+
+
+@compiled
+def rings_around(
+    element_edges: Ints, edge_elements: Ints, crossable: Bools, centres: Ints
+) -> Ints:
+    """(M,) int32: crossable edges from each element to the nearest of the centres.
+
+    ``FAR`` where there is no way.
+    """
+    m = len(element_edges)
+    rings = np.full(m, FAR, np.int32)
+    queue = np.empty(m, np.int32)
+    tail = 0
+    for centre in centres:
+        if rings[centre] == FAR:
+            rings[centre] = 0
+            queue[tail] = centre
+            tail += 1
+    head = 0
+    while head < tail:
+        element = queue[head]
+        head += 1
+        for side in range(4):
+            edge = element_edges[element, side]
+            if edge < 0 or not crossable[edge]:
+                continue
+            other = edge_elements[edge, 0] + edge_elements[edge, 1] - element
+            if rings[other] == FAR:
+                rings[other] = rings[element] + 1
+                queue[tail] = other
+                tail += 1
+    return rings
 
 
 @compiled

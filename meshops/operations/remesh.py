@@ -188,7 +188,7 @@ def remesh_patch(patch: Patch, size: float | None) -> tuple[Floats, Ints] | None
     (points, elements), border nodes first at the rows that they have in the patch; None where no
     valid mesh came out.
     """
-    surface = PatchSurface.of(patch)
+    surface = PatchSurface.of(patch.points, patch.elements)
     edge = surface.mean_edge(patch) if size is None else size
     try:
         points, trias = remesh_isotropic(
