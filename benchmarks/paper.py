@@ -2,6 +2,9 @@
 
 Every row runs the settings of the paper's section 4.1 on the plate of the same section. The paper
 gives one figure a row, ours are the median and range over the seeds.
+
+``--full`` instead times IntegrationGA, beside a straightforward program of DEAP and pymeshlab that
+runs in the same command (needs the extra ``bench``).
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from benchmarks.report import Row, parser, publish
 from islands.config import load_config
 from islands.run import Finished, Job, run, start_executor
 from meshops.criteria_files import load_criteria
-from meshops.examples import plate
+from meshops.examples import SIZE, plate
 from tracking.events import Event, GenerationReport
 
 REPLACE_NODE = {30: 74.0, 100: 75.0, 200: 76.0}
@@ -27,6 +30,9 @@ REPLACE_NODE = {30: 74.0, 100: 75.0, 200: 76.0}
 
 REMESH, INTEGRATION = 93.0, 89.0
 """Evaluation with seven trias left (section 4.2), and of the integration GA's procedure."""
+
+FULL_SECONDS, FULL_RATIO = 120.0, 20.0
+"""Of IntegrationGA, and of the straightforward program over it."""
 
 DIFFERENCES = """
 Where and why ours differ:
@@ -68,7 +74,7 @@ class Trial:
 
 def trial(seed: int, settings: dict[str, Any]) -> Trial:
     """Run the plate with the paper's profile and some settings over it."""
-    config = load_config(None, {"profile": "paper", "size": 5.0, "seed": seed, **settings})
+    config = load_config(None, {"profile": "paper", "size": SIZE, "seed": seed, **settings})
     job = Job.of("plate", plate(), load_criteria(config.criteria), config)
     best: list[float] = []
 
@@ -83,12 +89,50 @@ def trial(seed: int, settings: dict[str, Any]) -> Trial:
     return Trial(seed, best, done.seconds, done.evaluations, done.after.trias, done.text)
 
 
+def full(share: float) -> tuple[list[Row], dict[str, Any]]:
+    """Time IntegrationGA, and the straightforward program of which a share is run."""
+    from benchmarks.straightforward import straightforward
+
+    trial(1, {"generations": 0})  # loads what is compiled
+    ours = trial(1, {})
+    theirs = straightforward(plate(), SIZE, 1, share)
+    ratio = theirs.seconds / ours.seconds
+    scaled = f", by {theirs.measured} of {theirs.individuals} individuals" if share < 1.0 else ""
+    rows = [
+        Row(
+            "IntegrationGA, 10 x 10, seed 1",
+            f"{ours.seconds:.1f} s",
+            f"<= {FULL_SECONDS:g} s",
+            ours.seconds <= FULL_SECONDS,
+        ),
+        Row(
+            "straightforward program",
+            f"{theirs.seconds:.0f} s{scaled}: {ratio:.1f} times as long",
+            f">= {FULL_RATIO:g} times",
+            ratio >= FULL_RATIO,
+        ),
+    ]
+    return rows, {"ours": vars(ours), "straightforward": vars(theirs)}
+
+
 def main() -> None:
     """Run all rows."""
     options = parser(__doc__)
+    options.add_argument("--full", action="store_true", help="time IntegrationGA beside a peer")
+    options.add_argument(
+        "--straightforward-share",
+        type=float,
+        default=0.05,
+        metavar="SHARE",
+        help="of the peer's individuals to run; its time is scaled from these (default 0.05)",
+    )
     options.add_argument("--seeds", type=int, default=5)
     options.add_argument("--workers", type=int, default=2, help="processes that run seeds")
     chosen = options.parse_args()
+    if chosen.full:
+        rows, figures = full(chosen.straightforward_share)
+        publish("The paper's own settings, in full", rows, figures, chosen)
+        return
     cases: dict[str, dict[str, Any]] = {
         "RemeshGA": {"operation": "remesh"},
         "ReplaceNodeGA": {"operation": "replace-node", "generations": max(REPLACE_NODE)},

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
 
+from islands.integration_ga import Work
 from islands.island import IslandState, Migrants, emigrants
-from islands.procedure import steps_text
 from islands.topology import ring
-from meshops.criteria import Scoring
-from meshops.kernels.quality import FAILED, TRIAS, compound_index
-from meshops.operations import Operation
-from tracking.events import Event, GenerationReport, MigrationReport
+
+Status = Literal["finished", "time-limit", "interrupted"]
 
 
 @dataclass(frozen=True)
@@ -34,8 +31,29 @@ class Migration:
     count: int = 1
 
 
+@dataclass(frozen=True)
+class Schedule:
+    """How long islands evolve, and how.
+
+    Attributes
+    ----------
+    islands : int
+        Of each work.
+    generations : int
+        After the first one, which is drawn.
+    migration : Migration
+    """
+
+    islands: int
+    generations: int
+    migration: Migration
+
+
 class Executor(Protocol):
     """Where islands run. The rest of the program does not know which executor it has."""
+
+    def open(self, works: Sequence[Work]) -> None:
+        """Take the works that the next islands are busy with, in the place of earlier ones."""
 
     def advance(
         self, steps: Sequence[tuple[IslandState, Migrants | None]]
@@ -59,95 +77,79 @@ class Result:
 
     Attributes
     ----------
-    best : IslandState
-        The island with the fittest procedure; the first of equals.
+    best : tuple of IslandState
+        Of each work the island with the fittest procedure; the first of equals.
     evaluations : int
     status : "finished", "time-limit" or "interrupted"
     """
 
-    best: IslandState
+    best: tuple[IslandState, ...]
     evaluations: int
-    status: Literal["finished", "time-limit", "interrupted"]
+    status: Status
+
+
+Watch = Callable[[int, Sequence[IslandState]], None]
+"""Is told an island's number and its states, one a work, after each generation."""
+
+Post = Callable[[IslandState, int, Migrants], None]
+"""Is told of emigrants: the island that they leave, that they go to, and who they are."""
 
 
 def evolve_archipelago(
-    islands: int,
-    generations: int,
-    migration: Migration,
+    works: Sequence[Work],
+    schedule: Schedule,
     executor: Executor,
-    record: Callable[[Event], None],
-    report: Callable[[IslandState], GenerationReport],
+    watch: Watch,
+    post: Post,
 ) -> Result:
-    """Step all islands to the last generation and let migrants travel in between.
+    """Step all islands of all works to the last generation, migrants travelling in between.
 
-    Migrants leave after every `migration.every` generations and arrive before the next one begins,
-    by the number of the generation and never by who is ready first. Time limit and interruption
-    end the run with the best that was found until then.
+    The islands of a work are a ring of their own. Migrants leave after every `migration.every`
+    generations and arrive before the next one begins, by the number of the generation and never by
+    who is ready first. A work in which nothing is left to gain stops. Time limit and interruption
+    end all of them with the best that was found until then.
     """
-    states = [IslandState.first(island) for island in range(islands)]
-    arriving: dict[int, Migrants] = {}
-    status: Literal["finished", "time-limit", "interrupted"] = "finished"
+    status: Status = "finished"
+    states = [
+        [IslandState.first(work, island) for island in range(schedule.islands)]
+        for work in range(len(works))
+    ]
     try:
-        for generation in range(generations + 1):
-            steps = [(state, arriving.get(state.island)) for state in states]
+        executor.open(works)
+        arriving: dict[tuple[int, int], Migrants] = {}
+        for generation in range(schedule.generations + 1):
+            busy = [row for row, work in zip(states, works, strict=True) if not _done(row, work)]
+            if not busy:
+                break
+            steps = [(s, arriving.get((s.work, s.island))) for row in busy for s in row]
             for state in executor.advance(steps):
-                states[state.island] = state
-                record(report(state))
-            if generation < generations and (generation + 1) % migration.every == 0:
-                arriving = _migrate(states, migration, record)
-            else:
-                arriving = {}
+                states[state.work][state.island] = state
+            for island in range(schedule.islands):
+                watch(island, [row[island] for row in states])
+            arriving = {}
+            if generation < schedule.generations and (
+                (generation + 1) % schedule.migration.every == 0
+            ):
+                arriving = _migrate(busy, schedule.migration, post)
     except TimeUpError:
         status = "time-limit"
     except KeyboardInterrupt:
         status = "interrupted"
-    best = states[int(np.argmax([state.best_fitness for state in states]))]
-    return Result(best, sum(state.evaluations for state in states), status)
+    best = tuple(row[int(np.argmax([s.best_fitness for s in row]))] for row in states)
+    return Result(best, sum(s.evaluations for row in states for s in row), status)
+
+
+def _done(row: list[IslandState], work: Work) -> bool:
+    return any(state.generation > 0 and work.is_solved(state.best_tally) for state in row)
 
 
 def _migrate(
-    states: list[IslandState], migration: Migration, record: Callable[[Event], None]
-) -> dict[int, Migrants]:
+    busy: list[list[IslandState]], migration: Migration, post: Post
+) -> dict[tuple[int, int], Migrants]:
     arriving = {}
-    for source, target in ring(len(states)):
-        leaving = emigrants(states[source], migration.count)
-        arriving[target] = leaving
-        for genome, fitness in zip(leaving.genomes, leaving.fitness, strict=True):
-            record(
-                MigrationReport(
-                    generation=states[source].generation - 1,
-                    source=source,
-                    target=target,
-                    fitness=float(fitness),
-                    genome=tuple(int(gene) for gene in genome),
-                )
-            )
+    for row in busy:
+        for source, target in ring(len(row)):
+            leaving = emigrants(row[source], migration.count)
+            arriving[row[source].work, target] = leaving
+            post(row[source], target, leaving)
     return arriving
-
-
-@dataclass(frozen=True)
-class Reporter:
-    """Makes reports of generations; the clock is read here and nowhere in the search."""
-
-    scoring: Scoring
-    operations: tuple[Operation, ...]
-    started: float
-
-    def __call__(self, state: IslandState) -> GenerationReport:
-        """Report on an island; an individual that makes no valid mesh counts as 0."""
-        fitness = np.where(np.isfinite(state.fitness), state.fitness, 0.0)
-        tally = state.best_tally
-        return GenerationReport(
-            island=state.island,
-            generation=state.generation - 1,
-            best=float(fitness.max()),
-            mean=float(fitness.mean()),
-            worst=float(fitness.min()),
-            best_so_far=state.best_fitness if np.isfinite(state.best_fitness) else 0.0,
-            trias=int(tally[TRIAS]),
-            failed=int(tally[FAILED]),
-            compound_qi=float(compound_index(tally, *self.scoring.arrays)),
-            evaluations=state.evaluations,
-            seconds=time.monotonic() - self.started,
-            procedure=steps_text(state.best_steps, self.operations),
-        )

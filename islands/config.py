@@ -11,17 +11,31 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from islands.archipelago import Migration
 from islands.genetics import Breeding
+from islands.rounds import Plan
 from meshops.errors import InputError
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
+from meshops.subdomain import Extent
 
 PROFILES: Mapping[str, Mapping[str, Any]] = {
     "default": {},
+    "thorough": {
+        "islands": 4,
+        "population": 8,
+        "generations": 4,
+        "genes": 8,
+        "operation-generations": 3,
+        "rounds": 200,
+        "patience": 20,
+    },
     "paper": {
         "fitness": "trias",
         "criteria": "paper",
         "islands": 1,
         "population": 10,
         "generations": 10,
+        "genes": 10,
+        "crossover": 0.95,
+        "mutation": 0.05,
         "operation-population": 10,
         "operation-generations": 10,
         "elites": 0,
@@ -44,23 +58,27 @@ class Config(BaseModel):
         allow_inf_nan=False,
     )
 
-    profile: Literal["default", "paper"] = "default"
+    profile: Literal["default", "thorough", "paper"] = "default"
     operation: Literal["remesh", "replace-node"] | None = None
     fitness: Literal["trias", "quality"] = "quality"
     criteria: str = "standard"
     size: float | None = Field(None, gt=0)
     feature_angle: float = Field(30.0, gt=0, le=180)
     islands: int = Field(2, ge=1)
-    population: int = Field(8, ge=2)
-    generations: int = Field(8, ge=0)
-    genes: int = Field(10, ge=1)
-    operation_population: int = Field(10, ge=2)
-    operation_generations: int = Field(10, ge=0)
-    crossover: float = Field(0.95, ge=0, le=1)
-    mutation: float = Field(0.05, ge=0, le=1)
+    population: int = Field(4, ge=2)
+    generations: int = Field(2, ge=0)
+    genes: int = Field(5, ge=1)
+    operation_population: int = Field(8, ge=2)
+    operation_generations: int = Field(1, ge=0)
+    crossover: float = Field(0.9, ge=0, le=1)
+    mutation: float = Field(0.1, ge=0, le=1)
     elites: int = Field(1, ge=0)
     scaling: Literal["proportional", "window"] = "window"
-    migrate_every: int = Field(2, ge=1)
+    rings: tuple[int, ...] = Field((3, 4, 6, 9, 40, 400), min_length=1)
+    largest: tuple[int, ...] = Field((60, 100, 160, 300, 2000, 20000), min_length=1)
+    rounds: int = Field(80, ge=0)
+    patience: int = Field(10, ge=1)
+    migrate_every: int = Field(1, ge=1)
     migrants: int = Field(1, ge=0)
     seed: int = Field(1, ge=0)
     time_limit: float | None = Field(None, gt=0)
@@ -79,6 +97,19 @@ class Config(BaseModel):
         return self.profile != "paper"
 
     @property
+    def plan(self) -> Plan:
+        """Which subdomains are cut out in which round."""
+        extents = tuple(map(Extent, self.rings, self.largest))
+        return Plan(extents, self.rounds, self.patience)
+
+    @property
+    def operation_code(self) -> int:
+        """The code of the one operation that runs alone."""
+        names = [operation.name for operation in self.operations]
+        (number,) = [i for i, name in enumerate(names) if name.startswith(self.operation or "")]
+        return self.operations[number].code
+
+    @property
     def breeding(self) -> Breeding:
         """Breeding of procedures, or of the one operation GA that runs alone."""
         return self._breeding(self.population, self.generations)
@@ -95,7 +126,11 @@ class Config(BaseModel):
 
     def flat(self) -> dict[str, str | int | float | bool]:
         """All settings as the keys of a TOML file; those that are not set are left out."""
-        return self.model_dump(by_alias=True, exclude_none=True)
+        values = self.model_dump(by_alias=True, exclude_none=True)
+        return {
+            key: ", ".join(map(str, value)) if isinstance(value, tuple) else value
+            for key, value in values.items()
+        }
 
     def _breeding(self, individuals: int, generations: int) -> Breeding:
         return Breeding(
@@ -123,6 +158,11 @@ def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
         config = Config.model_validate({**base, **chosen})
     except ValidationError as error:
         raise InputError(_sentence(error, file, given)) from None
+    if len(config.rings) != len(config.largest):
+        raise InputError(
+            f'"rings" has {len(config.rings)} values and "largest" {len(config.largest)}; '
+            "give one each for every extent of a subdomain."
+        )
     if config.operation and (config.islands > 1 or config.backend == "ray"):
         raise InputError(
             "One operation GA alone runs as one population in one process; leave out --islands and "

@@ -76,18 +76,21 @@ def crossover(parents: Ids, rate: float, rng: np.random.Generator) -> Ids:
     return children
 
 
-def mutate(genomes: Ids, bounds: Ids, rate: float, rng: np.random.Generator) -> Ids:
-    """Draw each gene anew with a probability."""
-    drawn = rng.integers(0, bounds, genomes.shape)
-    return np.where(rng.random(genomes.shape) < rate, drawn, genomes)
+def mutate(genomes: Ids, fresh: Ids, rate: float, rng: np.random.Generator) -> Ids:
+    """Replace each gene, with a probability, by that of a genome drawn anew."""
+    return np.where(rng.random(genomes.shape) < rate, fresh, genomes)
 
 
 def next_generation(
-    genomes: Ids, fitness: Floats, bounds: Ids, breeding: Breeding, rng: np.random.Generator
+    genomes: Ids, fitness: Floats, fresh: Ids, breeding: Breeding, rng: np.random.Generator
 ) -> Ids:
-    """Select, recombine, mutate: (P, G) genomes of the next generation, its elites first."""
+    """Select, recombine, mutate: (P, G) genomes of the next generation, its elites first.
+
+    `fresh` (P, G) are genomes drawn anew, from which mutation takes its genes.
+    """
     count = breeding.individuals
     parents = genomes[roulette(fitness, count + count % 2, rng, scaling=breeding.scaling)]
-    children = mutate(crossover(parents, breeding.crossover, rng), bounds, breeding.mutation, rng)
+    children = crossover(parents, breeding.crossover, rng)[:count]
+    children = mutate(children, fresh, breeding.mutation, rng)
     best = np.argsort(-fitness, kind="stable")[: breeding.elites]
     return np.concatenate([genomes[best], children])[:count]

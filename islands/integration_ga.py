@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,9 +15,10 @@ from islands.operation_ga import evolve
 from islands.procedure import Step
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import ELEMENTS
+from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
+from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
 GENES = 10
@@ -24,6 +26,9 @@ GENES = 10
 
 REMEMBERED_BYTES = 5e8
 """Of the meshes that an island remembers; what was unused for longest goes first."""
+
+STANDING_STILL = 0.5
+"""Of a tria: what a drifting individual loses that ends with the mesh that it began with."""
 
 BYTES_AN_ELEMENT = 150
 """Of a `ShellMesh`, with its share of nodes."""
@@ -41,7 +46,16 @@ class Problem:
     breeding : Breeding
         Of the operation GAs.
     improving : bool
-        Whether an operation that gains nothing leaves the mesh as it is.
+        Whether an operation that does harm leaves the mesh as it is.
+    reference : PatchSurface or None
+        The surface that nodes must stay on; None: that of the mesh that an operation is given.
+    weights : (C,) float64 or None
+        How often each of `codes` is drawn as a gene; None: all alike.
+    drifts : bool
+        Whether a procedure ends with the last of its meshes that have the fewest faults instead of
+        with the fittest one: so a search that stands still moves on.
+    turn : int
+        The round of the run: another one draws other random numbers on the same mesh.
     """
 
     seed: int
@@ -49,6 +63,19 @@ class Problem:
     operations: tuple[Operation, ...]
     breeding: Breeding
     improving: bool
+    reference: PatchSurface | None = None
+    weights: Floats | None = None
+    drifts: bool = False
+    turn: int = 0
+
+    @cached_property
+    def codes(self) -> tuple[int, ...]:
+        """The operation that each value of a gene stands for, in the order of the codes."""
+        return tuple(sorted([NOTHING, *(operation.code for operation in self.operations)]))
+
+    def draw(self, rng: np.random.Generator, count: int, genes: int) -> Ids:
+        """(count, genes) genomes, each gene a row of `codes`."""
+        return rng.choice(len(self.codes), (count, genes), p=self.weights)
 
     @property
     def fitness(self) -> Fitness:
@@ -101,6 +128,34 @@ Handle = Any
 """A mesh as a runner passes it on: the mesh itself, or a reference to it in an object store."""
 
 
+@dataclass(frozen=True, eq=False)
+class Work:
+    """A mesh, or a part of one, that an archipelago is to improve.
+
+    Attributes
+    ----------
+    problem : Problem
+    mesh : ShellMesh
+    least_trias : int
+        The fewest trias that it can have. With so few and no failed element nothing is left to
+        gain; -1 where every generation counts.
+    """
+
+    problem: Problem
+    mesh: ShellMesh
+    least_trias: int = -1
+
+    @cached_property
+    def root(self) -> Outcome:
+        """The mesh that every procedure starts from, as the outcome of no operation."""
+        workpiece = Workpiece(self.mesh, self.problem.setting)
+        return Outcome(self.mesh.digest, workpiece.tally, self.mesh.elements[:0, :2], 0)
+
+    def is_solved(self, tally: Floats) -> bool:
+        """Whether a mesh with this tally (TALLY_SIZE,) leaves nothing to gain."""
+        return bool(tally[FAILED] == 0 and tally[TRIAS] <= self.least_trias)
+
+
 class Runner(Protocol):
     """Runs operation GAs."""
 
@@ -111,13 +166,15 @@ class Runner(Protocol):
 def run_task(problem: Problem, task: Task, mesh: ShellMesh) -> tuple[Outcome, ShellMesh]:
     """Run one operation GA: a pure function of the problem and the task."""
     operation = next(o for o in problem.operations if o.code == task.code)
-    rng = np.random.default_rng([problem.seed, int(task.mesh, 16), task.code, task.attempt])
-    workpiece = Workpiece(mesh, problem.setting)
+    rng = np.random.default_rng(
+        [problem.seed, problem.turn, int(task.mesh, 16), task.code, task.attempt]
+    )
+    workpiece = Workpiece(mesh, problem.setting, problem.reference)
     found = evolve(operation, workpiece, problem.breeding, rng, improving=problem.improving)
     if found.edit.is_empty:
         return Outcome(task.mesh, workpiece.tally, found.parameters, found.evaluations), mesh
     after = apply(mesh, found.edit)
-    tally = Workpiece(after, problem.setting).tally
+    tally = workpiece.tally + workpiece.tally_change(found.edit)
     return Outcome(after.digest, tally, found.parameters, found.evaluations), after
 
 
@@ -130,6 +187,10 @@ class _Trail:
     tally: Floats
     attempts: dict[int, int]
     steps: list[Step]
+    used: int
+    best_fitness: float
+    best_tally: Floats
+    best_steps: int
 
 
 class Evaluator:
@@ -139,39 +200,64 @@ class Evaluator:
     the same time and those that two genomes have in common run once.
     """
 
-    def __init__(self, problem: Problem, runner: Runner, root: Outcome, handle: Handle) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        runner: Runner,
+        root: Outcome,
+        handle: Handle,
+        *,
+        is_enough: Callable[[Floats], bool] = lambda _: False,
+        remembered_bytes: float = REMEMBERED_BYTES,
+    ) -> None:
         self.problem = problem
         self.runner = runner
         self.root = root
         self.root_handle = handle
         self.evaluations = 0
+        self._is_enough = is_enough
         self._known: OrderedDict[Task, tuple[Outcome, Handle]] = OrderedDict()
-        self._most = int(REMEMBERED_BYTES / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
+        self._most = int(remembered_bytes / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
 
     def evaluate(self, genomes: Ids) -> tuple[Floats, Floats, list[tuple[Step, ...]]]:
         """Score genomes (P, G).
 
         Returns fitness (P,), tallies (P, TALLY_SIZE) and the steps of each.
         """
+        fitness = self._score(self.root.tally, 0)
+        root = self.root
         trails = [
-            _Trail(self.root.mesh, self.root_handle, self.root.tally, {}, []) for _ in genomes
+            _Trail(root.mesh, self.root_handle, root.tally, {}, [], 0, fitness, root.tally, 0)
+            for _ in genomes
         ]
         for genes in genomes.T:
             self._advance(trails, genes)
-        tallies = np.stack([trail.tally for trail in trails])
-        used = [sum(len(step.parameters) > 0 for step in trail.steps) for trail in trails]
-        scoring, score = self.problem.setting.scoring, self.problem.fitness.of
-        fitness = np.concatenate(
-            [score(tally[None], scoring, n) for tally, n in zip(tallies, used, strict=True)]
+            if any(self._is_enough(trail.tally) for trail in trails):
+                break
+        if not self.problem.improving:
+            for trail in trails:
+                trail.best_fitness = self._score(trail.tally, trail.used)
+                trail.best_tally, trail.best_steps = trail.tally, len(trail.steps)
+        return (
+            np.array([trail.best_fitness for trail in trails]),
+            np.stack([trail.best_tally for trail in trails]),
+            [tuple(trail.steps[: trail.best_steps]) for trail in trails],
         )
-        return fitness, tallies, [tuple(trail.steps) for trail in trails]
+
+    def _score(self, tally: Floats, used: int) -> float:
+        scoring, fitness = self.problem.setting.scoring, self.problem.fitness
+        if not self.problem.drifts:
+            return float(fitness.of(tally[None], scoring, used)[0])
+        faults = float(fitness.of_faults(tally))
+        return faults if used else faults - STANDING_STILL / (fitness.elements + 1)
 
     def _advance(self, trails: list[_Trail], genes: Ids) -> None:
+        codes = [self.problem.codes[gene] for gene in genes]
         tasks: list[Task | None] = [
             None
-            if gene == NOTHING
-            else Task(trail.mesh, int(gene), trail.attempts.get(int(gene), 0))
-            for trail, gene in zip(trails, genes, strict=True)
+            if code == NOTHING
+            else Task(trail.mesh, code, trail.attempts.get(code, 0))
+            for trail, code in zip(trails, codes, strict=True)
         ]
         self._learn({t: x.handle for t, x in zip(tasks, trails, strict=True) if t is not None})
         for trail, task in zip(trails, tasks, strict=True):
@@ -185,6 +271,13 @@ class Evaluator:
                 continue
             trail.mesh, trail.handle, trail.tally = outcome.mesh, handle, outcome.tally
             trail.attempts = {}
+            trail.used += 1
+            fitness = self._score(trail.tally, trail.used)
+            if fitness > trail.best_fitness or (
+                self.problem.drifts and fitness == trail.best_fitness
+            ):
+                trail.best_fitness, trail.best_tally = fitness, trail.tally
+                trail.best_steps = len(trail.steps)
 
     def _learn(self, wanted: dict[Task, Handle]) -> None:
         missing = [(task, handle) for task, handle in wanted.items() if task not in self._known]

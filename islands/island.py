@@ -19,12 +19,16 @@ class IslandState:
 
     Attributes
     ----------
+    work : int
+        Which of the works of an archipelago it is busy with.
     island : int
     generation : int
         How many generations it has scored; 0 before the first.
     genomes : (P, G) int64
     fitness : (P,) float64
         Of the genomes; no values before the first generation.
+    tallies : (P, TALLY_SIZE) float64
+        Of the meshes that the genomes lead to.
     best_fitness : float
     best_tally : (TALLY_SIZE,) float64
     best_steps : tuple of Step
@@ -33,20 +37,23 @@ class IslandState:
         Individuals of operation GAs that were scored for it.
     """
 
+    work: int
     island: int
     generation: int
     genomes: Ids
     fitness: Floats
+    tallies: Floats
     best_fitness: float
     best_tally: Floats
     best_steps: tuple[Step, ...]
     evaluations: int
 
     @classmethod
-    def first(cls, island: int) -> Self:
+    def first(cls, work: int, island: int) -> Self:
         """Make an island before its first generation."""
         none = np.zeros(0)
-        return cls(island, 0, np.zeros((0, 0), np.int64), none, -np.inf, none, (), 0)
+        no_genomes = np.zeros((0, 0), np.int64)
+        return cls(work, island, 0, no_genomes, none, np.zeros((0, 0)), -np.inf, none, (), 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,16 +79,16 @@ def step(
 ) -> IslandState:
     """Take in immigrants, breed and score one generation.
 
-    Random numbers come from (run seed, island, generation) alone.
+    Random numbers come from (run seed, round, mesh, island, generation) alone.
     """
-    rng = np.random.default_rng([evaluator.problem.seed, state.island, state.generation])
-    codes = len(evaluator.problem.operations) + 1
-    bounds = np.full(genes, codes, np.int64)
-    if state.generation == 0:
-        genomes = rng.integers(0, bounds, (breeding.individuals, genes))
-    else:
+    problem = evaluator.problem
+    rng = np.random.default_rng(
+        [problem.seed, problem.turn, int(evaluator.root.mesh, 16), state.island, state.generation]
+    )
+    genomes = problem.draw(rng, breeding.individuals, genes)
+    if state.generation > 0:
         residents = settle(state, immigrants)
-        genomes = next_generation(residents.genomes, residents.fitness, bounds, breeding, rng)
+        genomes = next_generation(residents.genomes, residents.fitness, genomes, breeding, rng)
     before = evaluator.evaluations
     fitness, tallies, steps = evaluator.evaluate(genomes)
     after = replace(
@@ -89,6 +96,7 @@ def step(
         generation=state.generation + 1,
         genomes=genomes,
         fitness=fitness,
+        tallies=tallies,
         evaluations=state.evaluations + evaluator.evaluations - before,
     )
     top = int(np.argmax(fitness))

@@ -24,6 +24,8 @@ class Generation:
         From 0, the first drawn.
     fitness : (P,) float64
         Of its individuals; -inf where one makes no valid mesh.
+    tallies : (P, TALLY_SIZE) float64
+        Of the meshes that its individuals lead to.
     best : (G,) int64
         The fittest genome so far.
     best_fitness : float
@@ -34,6 +36,7 @@ class Generation:
 
     number: int
     fitness: Floats
+    tallies: Floats
     best: Ids
     best_fitness: float
     best_tally: Floats
@@ -56,14 +59,19 @@ def generations(
     genomes = space.draw(rng, breeding.individuals)
     best, best_fitness, best_tally = genomes[0], -np.inf, workpiece.tally
     for number in range(breeding.generations + 1):
-        fitness = workpiece.fitness(space.evaluate(genomes))
+        tallies = space.evaluate(genomes)
+        fitness = workpiece.fitness(tallies)
         top = int(np.argmax(fitness))
         if fitness[top] > best_fitness:
             best, best_fitness = genomes[top], float(fitness[top])
             best_tally = space.tally(best)
         evaluations = (number + 1) * breeding.individuals
-        yield Generation(number, fitness, best, best_fitness, best_tally, evaluations)
-        genomes = next_generation(genomes, fitness, space.bounds, breeding, rng)
+        yield Generation(
+            number, fitness, tallies, best, best_fitness, best_tally, evaluations
+        )
+        if number < breeding.generations:
+            fresh = space.draw(rng, breeding.individuals)
+            genomes = next_generation(genomes, fitness, fresh, breeding, rng)
 
 
 def evolve(
@@ -76,8 +84,10 @@ def evolve(
 ) -> Evolved:
     """Run the operation GA and make the edit of its fittest genome.
 
-    With `improving`, a mesh that no genome makes fitter stays as it is; without, the fittest valid
-    genome is applied even where it does harm, as in the paper.
+    With `improving`, a mesh stays as it is unless the fittest genome makes it fitter or leaves it
+    with as many failed elements and trias: without such neutral steps the search would stand still
+    where it takes two operations to gain something. Without, the fittest valid genome is applied
+    even where it does harm, as in the paper.
     """
     space = operation.search_space(workpiece, rng)
     nothing = np.zeros((0, 2), np.int32)
@@ -85,7 +95,7 @@ def evolve(
         return Evolved(nothing, Edit(), 0)
     *_, last = generations(space, workpiece, breeding, rng)
     fit = np.isfinite(last.best_fitness) and (
-        not improving or workpiece.is_fitter_by(last.best_tally - workpiece.tally)
+        not improving or workpiece.accepts(last.best_tally)
     )
     parameters = space.parameters(last.best) if fit else nothing
     edit = operation.apply(workpiece, parameters)

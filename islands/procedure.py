@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from meshops.criteria import Criteria
+from meshops.criteria_files import dump_criteria, parse_toml
 from meshops.edit import apply
 from meshops.errors import InputError
-from meshops.mesh import Ints, ShellMesh
+from meshops.fitness import Fitness
+from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
+from meshops.patch import join
+from meshops.reference import Reference
+from meshops.subdomain import Extent, Subdomain, subdomains
+from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
-FORMAT = "meshipelago procedure 1"
+FORMAT = "meshipelago procedure 2"
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,16 +41,55 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
+class Place:
+    """What was done in one place.
+
+    Attributes
+    ----------
+    centre : three floats
+        Of the subdomain, or of the whole mesh.
+    steps : tuple of Step
+    """
+
+    centre: tuple[float, float, float]
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """Places that are worked on at the same time, each a subdomain of its own.
+
+    Attributes
+    ----------
+    extent : Extent or None
+        Of the subdomains; None: the one place is the whole mesh.
+    turn : int
+        Which round of its run it was.
+    places : tuple of Place
+        In the order of the subdomains.
+    """
+
+    extent: Extent | None
+    turn: int
+    places: tuple[Place, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Procedure:
     """What the paper's Figure 10 shows, with all that it takes to do it again.
 
     Attributes
     ----------
-    steps : tuple of Step
+    rounds : tuple of Round
     mesh : str
         Digest of the mesh that the procedure was found on.
     result : str
         Digest of the mesh that it made of it.
+    box : (2, 3) float64
+        The lowest and the highest corner of the box around the mesh.
+    criteria : Criteria
+    size : float
+        Under which elements failed, which says where places are.
     element_size : float or None
     feature_angle : float
         The setting under which its operations ran.
@@ -51,34 +97,76 @@ class Procedure:
         Seed of the run that found it.
     """
 
-    steps: tuple[Step, ...]
+    rounds: tuple[Round, ...]
     mesh: str
     result: str
+    box: Floats
+    criteria: Criteria
+    size: float
     element_size: float | None
     feature_angle: float
     seed: int
 
+    def setting(self, elements: int) -> Setting:
+        """Return the setting under which it is performed on a mesh of so many elements."""
+        return Setting(
+            scoring=self.criteria.at(self.size),
+            fitness=Fitness("quality", elements),
+            element_size=self.element_size,
+            feature_angle=self.feature_angle,
+        )
+
     def text(self, operations: tuple[Operation, ...]) -> str:
-        """Figure 10: a line a gene, the code and the parameters; a dash where nothing is done."""
-        return steps_text(self.steps, operations)
+        """Figure 10: a line a gene, the code and the parameters; a dash where nothing is done.
+
+        Where there is more than one place, a line before each says which round and where.
+        """
+        parts = []
+        for number, done in enumerate(self.rounds, 1):
+            for place in done.places:
+                if done.extent is not None:
+                    if not place.steps:
+                        continue
+                    where = ", ".join(f"{x:.6g}" for x in place.centre)
+                    parts.append(f"# round {number}, {done.extent.rings} rings around {where}")
+                parts.append(steps_text(place.steps, operations))
+        return "\n".join(parts)
 
     def to_json(self, operations: tuple[Operation, ...]) -> str:
         """Write as JSON."""
         names = {operation.code: operation.name for operation in operations} | {NOTHING: "nothing"}
-        steps = [
-            {"operation": names[step.code], "parameters": step.parameters.tolist()}
-            for step in self.steps
-        ]
         document = {
             "format": FORMAT,
             "mesh": self.mesh,
             "result": self.result,
+            "box": self.box.tolist(),
+            "criteria": dump_criteria(self.criteria),
+            "size": self.size,
             "element_size": self.element_size,
             "feature_angle": self.feature_angle,
             "seed": self.seed,
-            "steps": steps,
+            "rounds": [
+                {
+                    "extent": None if r.extent is None else [r.extent.rings, r.extent.elements],
+                    "turn": r.turn,
+                    "places": [
+                        {
+                            "centre": place.centre,
+                            "steps": [
+                                {
+                                    "operation": names[step.code],
+                                    "parameters": step.parameters.tolist(),
+                                }
+                                for step in place.steps
+                            ],
+                        }
+                        for place in r.places
+                    ],
+                }
+                for r in self.rounds
+            ],
         }
-        return json.dumps(document, indent=1) + "\n"
+        return json.dumps(document) + "\n"
 
     @classmethod
     def from_json(cls, text: str, operations: tuple[Operation, ...], source: str) -> Procedure:
@@ -94,10 +182,16 @@ class Procedure:
                     f"{source} is of the format {document['format']!r}, not {FORMAT!r}."
                 )
             size = document["element_size"]
+            box = np.array(document["box"], np.float64)
+            if box.shape != (2, 3):
+                raise ValueError("box must be two corners")
             return cls(
-                steps=tuple(_read_step(step, codes) for step in document["steps"]),
+                rounds=tuple(_read_round(item, codes) for item in document["rounds"]),
                 mesh=str(document["mesh"]),
                 result=str(document["result"]),
+                box=box,
+                criteria=parse_toml(document["criteria"], source),
+                size=float(document["size"]),
                 element_size=None if size is None else float(size),
                 feature_angle=float(document["feature_angle"]),
                 seed=int(document["seed"]),
@@ -109,6 +203,26 @@ class Procedure:
             ) from None
 
 
+def _read_round(item: dict[str, Any], codes: dict[str, int]) -> Round:
+    extent = None
+    if item["extent"] is not None:
+        rings, elements = item["extent"]
+        extent = Extent(int(rings), int(elements))
+        if extent.rings < 0 or extent.elements < 1:
+            raise ValueError("an extent must be rings and elements")
+    return Round(
+        extent, int(item["turn"]), tuple(_read_place(place, codes) for place in item["places"])
+    )
+
+
+def _read_place(place: dict[str, Any], codes: dict[str, int]) -> Place:
+    x, y, z = place["centre"]
+    return Place(
+        (float(x), float(y), float(z)),
+        tuple(_read_step(step, codes) for step in place["steps"]),
+    )
+
+
 def _read_step(step: dict[str, Any], codes: dict[str, int]) -> Step:
     rows = np.array(step["parameters"], np.int32)
     if rows.size and rows.ndim != 2:
@@ -117,32 +231,75 @@ def _read_step(step: dict[str, Any], codes: dict[str, int]) -> Step:
 
 
 def steps_text(steps: tuple[Step, ...], operations: tuple[Operation, ...]) -> str:
-    """Write steps in the notation of Figure 10."""
+    """Write steps in the notation of Figure 10; those that the paper has no code for by name."""
     by_code = {operation.code: operation for operation in operations}
     lines = []
     for step in steps:
+        name = str(step.code) if step.code <= NOTHING else by_code[step.code].name
         done = by_code[step.code].format(step.parameters) if len(step.parameters) else "-"
-        lines.append(f"{step.code} {done}")
+        lines.append(f"{name} {done}")
     return "\n".join(lines)
 
 
 def perform(
     mesh: ShellMesh,
-    steps: tuple[Step, ...],
+    rounds: tuple[Round, ...],
     operations: tuple[Operation, ...],
     setting: Setting,
 ) -> ShellMesh:
-    """Perform steps on a mesh.
+    """Perform rounds on the mesh that they were found on.
 
-    Raises InputError where a step names elements or nodes that the mesh does not have.
+    Raises InputError where a step names what the mesh does not have.
+    """
+    reference = Reference(mesh, setting.feature_angle)
+    for done in rounds:
+        if done.extent is None:
+            mesh = perform_steps(mesh, done.places[0].steps, operations, setting)
+            continue
+        found = subdomains(Workpiece(mesh, setting), done.extent, done.turn)
+        edits = [
+            subdomain.edit(
+                mesh,
+                perform_steps(
+                    subdomain.mesh,
+                    place.steps,
+                    operations,
+                    subdomain_setting(setting, subdomain),
+                    reference.around(subdomain.patch),
+                ),
+            )
+            for subdomain, place in zip(found, done.places, strict=False)
+            if place.steps
+        ]
+        mesh = apply(mesh, join(mesh, edits))
+    return mesh
+
+
+def subdomain_setting(setting: Setting, subdomain: Subdomain) -> Setting:
+    """Return the setting of a run for one subdomain, whose fitness counts its own elements."""
+    elements = len(subdomain.mesh.elements)
+    return replace(setting, fitness=replace(setting.fitness, elements=elements))
+
+
+def perform_steps(
+    mesh: ShellMesh,
+    steps: tuple[Step, ...],
+    operations: tuple[Operation, ...],
+    setting: Setting,
+    reference: PatchSurface | None = None,
+) -> ShellMesh:
+    """Perform steps on a mesh or a subdomain.
+
+    Raises InputError where a step names what the mesh does not have.
     """
     by_code = {operation.code: operation for operation in operations}
     for number, step in enumerate(steps, 1):
         if not len(step.parameters):
             continue
         operation = by_code[step.code]
+        workpiece = Workpiece(mesh, setting, reference)
         try:
-            mesh = apply(mesh, operation.apply(Workpiece(mesh, setting), step.parameters))
+            mesh = apply(mesh, operation.apply(workpiece, step.parameters))
         except ValueError as error:
             raise InputError(
                 f"Step {number} ({operation.name}) does not fit this mesh: {error}; "

@@ -1,43 +1,35 @@
-"""Replay: perform a saved procedure and see that the very same mesh comes out."""
+"""Replay: perform a saved procedure, on its own mesh bit for bit or on another one."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from islands.procedure import Procedure, perform
-from meshops.criteria import STANDARD
+from islands.transfer import transfer
 from meshops.errors import InputError
-from meshops.fitness import Fitness
-from meshops.formats import read_deck
-from meshops.operations import OPERATIONS
+from meshops.formats import Deck, read_deck
+from meshops.mesh import ShellMesh
+from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
+from meshops.quality_index import quality_index
 from meshops.workpiece import Setting
 
 
 def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
     """Perform the procedure of a file on the mesh of another and write the result.
 
-    Returns a sentence for the user. Raises InputError where the procedure was found on another
-    mesh, or where another mesh came out than when it was found.
+    On the mesh that it was found on the very same mesh comes out as then; on another one it does
+    what it can, without any search.
+
+    Returns a sentence for the user. Raises InputError where the procedure does not fit, or where
+    another mesh came out than when it was found.
     """
-    try:
-        text = procedure_file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{procedure_file} cannot be read: {error}.") from None
-    procedure = Procedure.from_json(text, OPERATIONS, str(procedure_file))
+    procedure = read_procedure(procedure_file)
     deck = read_deck(source)
     if deck.mesh.digest != procedure.mesh:
-        raise InputError(
-            f"{procedure_file} was found on another mesh than {source}; its element and node "
-            "numbers mean nothing there. Give the deck that the run was started with."
-        )
-    setting = Setting(
-        scoring=STANDARD.at(median_edge(deck.mesh)),  # says which edits are valid, not which good
-        fitness=Fitness("quality", len(deck.mesh.elements)),
-        element_size=procedure.element_size,
-        feature_angle=procedure.feature_angle,
-    )
-    mesh = perform(deck.mesh, procedure.steps, OPERATIONS, setting)
+        return _transfer(procedure, procedure_file, deck, source, out)
+    setting = procedure.setting(len(deck.mesh.elements))
+    mesh = perform(deck.mesh, procedure.rounds, ALL_OPERATIONS, setting)
     if mesh.digest != procedure.result:
         raise InputError(
             f"The replay made another mesh than the run that found {procedure_file} "
@@ -46,3 +38,34 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
         )
     deck.write(mesh, out)
     return f"{out}: the mesh of the run, bit for bit (digest {mesh.digest})."
+
+
+def read_procedure(file: Path) -> Procedure:
+    """Read a procedure; InputError where the file has none."""
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{file} cannot be read: {error}.") from None
+    return Procedure.from_json(text, ALL_OPERATIONS, str(file))
+
+
+def _transfer(
+    procedure: Procedure, procedure_file: Path, deck: Deck, source: Path, out: Path
+) -> str:
+    scoring = procedure.criteria.at(procedure.element_size or median_edge(deck.mesh))
+    known = procedure.setting(len(deck.mesh.elements))
+    setting = Setting(scoring, known.fitness, known.element_size, known.feature_angle)
+    try:
+        mesh, _ = transfer(procedure, deck.mesh, ALL_OPERATIONS, setting)
+    except InputError as error:
+        raise InputError(f"{procedure_file} was found on another mesh than {source}: {error}") from None
+    deck.write(mesh, out)
+    return (
+        f"{out}: {procedure_file} was found on another mesh; on this one it brought, without any "
+        f"search, {_faults(deck.mesh, setting)} -> {_faults(mesh, setting)}."
+    )
+
+
+def _faults(mesh: ShellMesh, setting: Setting) -> str:
+    report = quality_index(mesh, setting.scoring)
+    return f"{report.failed} failed elements and {report.trias} trias"

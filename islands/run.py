@@ -5,18 +5,17 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass
 
 import numpy as np
 
-from islands.archipelago import Executor, Reporter, Result, evolve_archipelago
+from islands.archipelago import Executor, Schedule, Status
 from islands.config import Config
-from islands.executors.local import LocalExecutor, root_outcome
+from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
-from islands.island import IslandState
-from islands.operation_ga import generations
-from islands.procedure import Procedure, Step, perform
+from islands.procedure import Procedure
+from islands.rounds import Evolution, evolve_rounds
+from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
@@ -97,7 +96,7 @@ class Finished:
     fitness: float
     evaluations: int
     seconds: float
-    status: Literal["finished", "time-limit", "interrupted"]
+    status: Status
     before: QualityIndex
     after: QualityIndex
 
@@ -113,19 +112,20 @@ def start_executor(job: Job, deadline: float) -> Executor:
     """Start the backend that the config names; raises InputError where it cannot be reached."""
     config = job.config
     if config.backend == "local":
-        return LocalExecutor(
-            job.problem, job.mesh, config.breeding, config.genes, deadline=deadline
-        )
+        return LocalExecutor(config.breeding, config.genes, deadline=deadline)
     from islands.executors.ray import RayExecutor
 
-    return RayExecutor(
-        job.problem,
-        job.mesh,
-        config.breeding,
-        config.genes,
-        address=config.address,
-        deadline=deadline,
-    )
+    return RayExecutor(config.breeding, config.genes, address=config.address, deadline=deadline)
+
+
+def improve(job: Job, *, record: Callable[[Event], None] = lambda _: None) -> Finished:
+    """Run a job in this process; its time limit counts from now."""
+    started = time.monotonic()
+    executor = start_executor(job, started + (job.config.time_limit or float("inf")))
+    try:
+        return run(job, executor, record, started)
+    finally:
+        executor.close()
 
 
 def run(job: Job, executor: Executor, record: Callable[[Event], None], started: float) -> Finished:
@@ -146,16 +146,12 @@ def run(job: Job, executor: Executor, record: Callable[[Event], None], started: 
             before=summary(before),
         )
     )
-    result = (
-        _evolve_alone(job, record, started)
-        if config.operation
-        else _evolve_procedure(job, executor, record, started)
-    )
-    finished = _finish(job, before, result, started)
+    evolution = _evolve(job, executor, record, started)
+    finished = _finish(job, before, evolution, started)
     record(
         RunFinished(
             status=finished.status,
-            reason=_REASONS[finished.status],
+            reason=evolution.reason or _REASONS[finished.status],
             after=summary(finished.after),
             fitness=finished.fitness,
             seconds=finished.seconds,
@@ -178,81 +174,42 @@ def summary(quality: QualityIndex) -> MeshSummary:
     )
 
 
-def _evolve_procedure(
+def _evolve(
     job: Job, executor: Executor, record: Callable[[Event], None], started: float
-) -> Result:
-    reporter = Reporter(job.problem.setting.scoring, job.problem.operations, started)
-    config = job.config
-    return evolve_archipelago(
-        config.islands, config.generations, config.migration, executor, record, reporter
-    )
-
-
-def _evolve_alone(job: Job, record: Callable[[Event], None], started: float) -> Result:
-    """Run one operation GA on the mesh, as in the paper's section 4."""
+) -> Evolution:
     config, problem = job.config, job.problem
-    operation = next(o for o in problem.operations if o.name == config.operation)
-    workpiece = Workpiece(job.mesh, problem.setting)
-    rng = np.random.default_rng([config.seed, int(job.mesh.digest, 16), operation.code, 0])
-    space = operation.search_space(workpiece, rng)
-    state = IslandState.first(0)
-    status: Literal["finished", "time-limit", "interrupted"] = "finished"
-    if space is None:
-        return Result(state, 0, status)
-    deadline = started + (config.time_limit or np.inf)
-    reporter = Reporter(problem.setting.scoring, problem.operations, started)
-    root = root_outcome(problem, job.mesh)
-    state = replace(state, best_tally=root.tally)
-    if config.improving:
-        state = replace(state, best_fitness=float(workpiece.fitness(root.tally[None])[0]))
-    try:
-        for generation in generations(space, workpiece, config.breeding, rng):
-            state = replace(
-                state,
-                generation=generation.number + 1,
-                fitness=generation.fitness,
-                evaluations=generation.evaluations,
-            )
-            if generation.best_fitness > state.best_fitness:
-                state = replace(
-                    state,
-                    best_fitness=generation.best_fitness,
-                    best_tally=generation.best_tally,
-                    best_steps=(Step(operation.code, space.parameters(generation.best)),),
-                )
-            record(reporter(state))
-            if time.monotonic() >= deadline:
-                status = "time-limit"
-                break
-    except KeyboardInterrupt:
-        status = "interrupted"
-    return Result(state, state.evaluations, status)
+    schedule = Schedule(config.islands, config.generations, config.migration)
+    if config.operation:
+        return evolve_alone(problem, job.mesh, config, record, started)
+    if config.profile == "paper":
+        return evolve_whole(problem, job.mesh, schedule, executor, record, started)
+    return evolve_rounds(problem, job.mesh, config.plan, schedule, executor, record, started)
 
 
-def _finish(job: Job, before: QualityIndex, result: Result, started: float) -> Finished:
-    problem = job.problem
-    steps = result.best.best_steps
-    mesh = perform(job.mesh, steps, problem.operations, problem.setting)
+def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float) -> Finished:
+    problem, setting = job.problem, job.problem.setting
+    mesh = evolution.mesh
+    corners = [job.mesh.points.min(axis=0), job.mesh.points.max(axis=0)]
     procedure = Procedure(
-        steps=steps,
+        rounds=evolution.rounds,
         mesh=job.mesh.digest,
         result=mesh.digest,
-        element_size=problem.setting.element_size,
-        feature_angle=problem.setting.feature_angle,
+        box=np.array(corners),
+        criteria=setting.scoring.criteria,
+        size=setting.scoring.size,
+        element_size=setting.element_size,
+        feature_angle=setting.feature_angle,
         seed=problem.seed,
     )
-    fitness = result.best.best_fitness
-    if not np.isfinite(fitness):  # nothing was evolved: the fitness is that of the mesh as it is
-        workpiece = Workpiece(mesh, problem.setting)
-        fitness = float(workpiece.fitness(workpiece.tally[None])[0])
+    tally = Workpiece(mesh, setting).tally
     return Finished(
         mesh=mesh,
         procedure=procedure,
         text=procedure.text(problem.operations),
-        fitness=fitness,
-        evaluations=result.evaluations,
+        fitness=float(setting.fitness.of(tally[None], setting.scoring)[0]),
+        evaluations=evolution.evaluations,
         seconds=time.monotonic() - started,
-        status=result.status,
+        status=evolution.status,
         before=before,
         after=job.quality(mesh),
     )

@@ -104,21 +104,26 @@ def stitch(mesh: ShellMesh, patch: Patch, points: Floats, elements: Ints) -> Edi
 
 
 def join(mesh: ShellMesh, edits: list[Edit]) -> Edit:
-    """One edit of several that replace different patches of the same mesh."""
+    """One edit of several that touch different patches of the same mesh."""
     if len(edits) == 1:
         return edits[0]
     if not edits:
         return Edit()
     n = len(mesh.points)
     shifts = np.cumsum([0] + [len(e.added_points) for e in edits[:-1]], dtype=np.int32)
+
+    def shifted(elements: list[Ints]) -> Ints:
+        return np.concatenate(
+            [np.where(e >= n, e + shift, e) for e, shift in zip(elements, shifts, strict=True)]
+        )
+
     return Edit(
         removed=np.concatenate([e.removed for e in edits]),
+        rewired=np.concatenate([e.rewired for e in edits]),
+        rewired_to=shifted([e.rewired_to for e in edits]),
         added_points=np.concatenate([e.added_points for e in edits]),
-        added_elements=np.concatenate(
-            [
-                np.where(e.added_elements >= n, e.added_elements + shift, e.added_elements)
-                for e, shift in zip(edits, shifts, strict=True)
-            ]
-        ),
+        added_elements=shifted([e.added_elements for e in edits]),
         added_region=np.concatenate([e.added_region for e in edits]),
+        moved=np.concatenate([e.moved for e in edits]),
+        moved_to=np.concatenate([e.moved_to for e in edits]),
     )

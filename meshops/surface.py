@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from meshops.kernels.pairing import split_quads
 from meshops.kernels.soundness import unit_normals
-from meshops.kernels.surface import bounding_spheres, nearest
+from meshops.kernels.surface import bounding_spheres, nearest, plane_of
 from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 
@@ -46,18 +47,8 @@ class PatchSurface:
         """Split the quads of a patch or a mesh and see whether it is plane."""
         trias = split_quads(points, elements, np.ones(len(elements), bool))
         trias = np.ascontiguousarray(trias[:, :3])
-        areas = _area_vectors(points, trias)
-        total = areas.sum(axis=0)
-        size = float(np.linalg.norm(total))
-        plane = None
-        if size > 0:
-            normal = total / size
-            offset = (points - points[0]) @ normal
-            extent = float(np.ptp(points, axis=0).max())
-            if np.abs(offset).max() <= PLANE_TOLERANCE * extent and (areas @ normal > 0).all():
-                plane = normal
-        area = float(np.linalg.norm(areas, axis=1).sum())
-        return cls(points, trias, area, total, plane)
+        total, area, normal, is_plane = plane_of(points, trias, PLANE_TOLERANCE)
+        return cls(points, trias, area, total, normal if is_plane else None)
 
     def mean_edge(self, patch: Patch) -> float:
         """Edge of a square of the mean area, counting a tria as half a quad."""
@@ -88,12 +79,11 @@ class PatchSurface:
         """Whether the new elements cover the surface: no hole, no lap, no old node left behind."""
         trias = split_quads(points, elements, np.ones(len(elements), bool))[:, :3]
         trias = np.ascontiguousarray(trias)
-        areas = _area_vectors(points, trias)
-        missing = float(np.linalg.norm(areas.sum(axis=0) - self.area_vector))
+        total, area, _, _ = plane_of(points, trias, PLANE_TOLERANCE)
+        missing = float(np.linalg.norm(total - self.area_vector))
         if missing > AREA_TOLERANCE * self.area:
             return False
         if self.plane is not None:
-            area = float(np.linalg.norm(areas, axis=1).sum())
             return abs(area - self.area) <= AREA_TOLERANCE * self.area
         old = patch.points[patch.border_nodes :]
         if not len(old):
@@ -101,9 +91,16 @@ class PatchSurface:
         distance = nearest(old, points, trias, bounding_spheres(points, trias))[1]
         return bool(distance.max() <= tolerance)
 
+    @cached_property
+    def spheres(self) -> Floats:
+        """(t, 4) centres and radii of spheres around the trias."""
+        spheres: Floats = bounding_spheres(self.points, self.trias)
+        return spheres
+
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
-        spheres = bounding_spheres(self.points, self.trias)
-        found: tuple[Floats, Floats, Ints] = nearest(queries, self.points, self.trias, spheres)
+        found: tuple[Floats, Floats, Ints] = nearest(
+            queries, self.points, self.trias, self.spheres
+        )
         return found
 
 
@@ -113,12 +110,6 @@ def _centres(points: Floats, elements: Ints) -> Floats:
     corners[tria, 3] = 0.0
     centres: Floats = corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]
     return centres
-
-
-def _area_vectors(points: Floats, trias: Ints) -> Floats:
-    corners = points[trias]
-    vectors: Floats = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return vectors
 
 
 def _as_elements(trias: Ints) -> Ints:

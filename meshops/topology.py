@@ -7,7 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from meshops.kernels.edges import find_edges
 from meshops.kernels.patches import cut, label_components
+from meshops.kernels.soundness import unit_normals
 from meshops.mesh import Bools, Floats, Ints, ShellMesh
 
 FEATURE_ANGLE = 30.0
@@ -126,34 +128,10 @@ class Topology:
 
 def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topology:
     """Find edges and barriers; `feature_angle` in degrees."""
-    elements = mesh.elements
-    start = elements
-    end = np.roll(elements, -1, axis=1)
-    tria = mesh.is_tria
-    end[tria, 2] = elements[tria, 0]
-    is_side = np.ones(elements.shape, bool)
-    is_side[tria, 3] = False
-
-    low, high = np.minimum(start, end)[is_side], np.maximum(start, end)[is_side]
-    keys = low.astype(np.int64) * (len(mesh.points) + 1) + high
-    _, first, inverse, uses = np.unique(
-        keys, return_index=True, return_inverse=True, return_counts=True
+    edges, element_edges, edge_elements, uses, opposed = find_edges(
+        mesh.elements, len(mesh.points)
     )
-    element_edges = np.full(elements.shape, -1, np.int32)
-    element_edges[is_side] = inverse
-    owners = np.nonzero(is_side)[0].astype(np.int32)
-
-    by_edge = np.argsort(inverse, kind="stable")
-    begin = np.concatenate([[0], np.cumsum(uses)[:-1]])
-    shared = uses == 2
-    edge_elements = np.full((len(uses), 2), -1, np.int32)
-    edge_elements[shared, 0] = owners[by_edge[begin[shared]]]
-    edge_elements[shared, 1] = owners[by_edge[begin[shared] + 1]]
-    forward = (start[is_side] < end[is_side])[by_edge]
-    opposed = np.zeros(len(uses), bool)
-    opposed[shared] = forward[begin[shared]] != forward[begin[shared] + 1]
-
-    crossable = shared & opposed
+    crossable = opposed
     left, right = edge_elements[crossable].T
     normals = element_normals(mesh)
     smooth = np.einsum("ij,ij->i", normals[left], normals[right]) >= np.cos(
@@ -162,10 +140,10 @@ def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topolo
     unlocked = ~(mesh.locked_elements[left] | mesh.locked_elements[right])
     crossable[crossable] = smooth & unlocked & (mesh.region[left] == mesh.region[right])
     return Topology(
-        edges=np.stack([low[first], high[first]], axis=1).astype(np.int32),
+        edges=edges,
         element_edges=element_edges,
         edge_elements=edge_elements,
-        uses=uses.astype(np.int32),
+        uses=uses,
         crossable=crossable,
         mesh=mesh,
     )
@@ -173,10 +151,5 @@ def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topolo
 
 def element_normals(mesh: ShellMesh) -> Floats:
     """(M, 3) unit normals; a quad's is that of its two diagonals; zero for a flat line."""
-    corners = mesh.points[mesh.elements]
-    tria = mesh.is_tria
-    corners[tria, 3] = corners[tria, 2]
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    unit: Floats = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
-    return unit
+    normals: Floats = unit_normals(mesh.points, mesh.elements)
+    return normals

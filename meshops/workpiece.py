@@ -10,7 +10,7 @@ import numpy as np
 from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
-from meshops.kernels.quality import tally_elements
+from meshops.kernels.quality import FAILED, TRIAS, tally_elements
 from meshops.kernels.patches import rings_around
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_index, failed_elements
@@ -98,10 +98,11 @@ class Workpiece:
         """(P,) fitness of (P, TALLY_SIZE) tallies."""
         return self.setting.fitness.of(tallies, self.setting.scoring)
 
-    def is_fitter_by(self, change: Floats) -> bool:
-        """Whether adding `change` (TALLY_SIZE,) to the tally makes the mesh fitter."""
-        before, after = self.fitness(np.stack([self.tally, self.tally + change]))
-        return bool(after > before)
+    def accepts(self, tally: Floats) -> bool:
+        """Whether a mesh with this tally (TALLY_SIZE,) is fitter or has as many faults."""
+        before, after = self.fitness(np.stack([self.tally, tally]))
+        faults = [FAILED, TRIAS]
+        return bool(after > before) or bool((tally[faults] == self.tally[faults]).all())
 
     @cached_property
     def failing(self) -> Bools:
@@ -134,6 +135,7 @@ class Workpiece:
             self.topology.element_edges,
             self.topology.edge_elements,
             self.topology.crossable,
+            self.topology.editable,
             self.bad_elements,
         )
         return rings

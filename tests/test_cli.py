@@ -138,7 +138,7 @@ BAD_DECKS = {
     "a missing node": (SQUARE + "CQUAD4,1,1,1,2,3,9\n", "9"),
     "a node twice": (SQUARE + "CQUAD4,1,1,1,2,3,3\n", "twice"),
     "duplicate elements": (SQUARE + "CQUAD4,1,1,1,2,3,4\nCQUAD4,2,1,2,3,4,1\n", "same"),
-    "locked throughout": (SQUARE + "CQUAD4,1,1,1,2,3,4\nPLOAD4,1,1,1.\n", "locked"),
+    "locked throughout": (SQUARE + "CQUAD4,1,1,1,2,3,4\nTEMPP1,1,1,20.\n", "locked"),
 }
 
 

@@ -1,6 +1,5 @@
 """Nodes and elements that other cards of a Nastran deck refer to are locked."""
 
-import numpy as np
 import pytest
 
 from meshops.formats import read_deck
@@ -76,10 +75,26 @@ def test_nodes_that_a_card_names(locks, card, nodes):
 @pytest.mark.parametrize(
     ("card", "nodes", "elements"),
     [
-        ("PLOAD4,1,31,2.", [], [31]),
-        ("PLOAD4,1,31,2.,,,,THRU,33", [], [31, 32, 33]),
+        ("PLOAD4,1,31,2.", [], []),
+        ("PLOAD4,1,31,2.,2.,2.,.2+1", [], []),
+        ("PLOAD4,1,31,2.,1.", [], [31]),
+        ("PLOAD4,1,31,2.,,,0.", [], [31]),
+        ("PLOAD4,1,31,2.,,,,11", [11], [31]),
+        ("PLOAD4,1,31,2.,,,,,,+\n+,0,0.,0.,1.", [], [31]),
+        ("PLOAD4,1,31,2.,,,,,,+\n+,,,,,LINE,TANG", [], [31]),
+        ("PLOAD4,1,31,2.,,,,THRU,33", [], []),
+        ("PLOAD4,1,31,2.,1.,,,THRU,33", [], [31, 32, 33]),
+        ("PLOAD4,1,34,2.,,,,THRU,99999999", [], [34, 35]),
+        ("PLOAD4,1,31,2.,,,,,22", [22], [31]),
+        ("PLOAD4,1,31,x", [], [31]),
+        ("PLOAD4,,31,2.", [], [31]),
+        ("PLOAD4,1,31,2.\nTEMPP1,1,31,20.", [], [31]),
         ("PLOAD4,1,99,2.,,,,11,22", [11, 22], []),
-        ("PLOAD2,1,2.,31,33", [], [31, 33]),
+        ("PLOAD2,1,2.,31", [], []),
+        ("PLOAD2,1,2.,31,33", [], []),
+        ("PLOAD2,1,2.,31,THRU,33", [], []),
+        ("PLOAD2,1,2.,31,99", [], [31]),
+        ("PLOAD2,1,x,31,33", [], [31, 33]),
         ("PLOAD1,1,31,FZ,LE,0.,1.,1.,1.", [], [31]),
         ("TEMPP1,1,31,20.,,,,,,+\n+,33,THRU,35", [], [31, 33, 34, 35]),
         ("BSURF,11,31,THRU,33", [], [31, 32, 33]),
@@ -126,4 +141,4 @@ def test_sets_of_node_output_lock_their_nodes(locks, request_line, nodes):
 
 
 def test_locked_elements_do_not_lock_their_nodes(locks):
-    assert np.sum(locks("PLOAD4,1,31,2.")[0]) == 0
+    assert locks("TEMPP1,1,31,20.") == ([], [31])

@@ -17,7 +17,7 @@ from meshops.kernels.pairing import (
     tria_neighbours,
 )
 from meshops.mesh import ShellMesh
-from meshops.operations.remesh import recombine
+from meshops.remeshing import recombine
 from tests.meshes import CURVED_KINDS, PLANE_KINDS, area_vectors, meshes, sides, unsound
 
 seeds = st.integers(0, 10**6)

@@ -1,10 +1,8 @@
-"""Remesh: what it selects, what comes out, and what it refuses."""
+"""Remesh of places: discs and strips around the worst elements, by several methods."""
 
-from collections import Counter
-from itertools import pairwise
+from functools import cache
 
 import numpy as np
-import pymeshlab
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -12,373 +10,211 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import FAILED, TRIAS
+from meshops.kernels.quality import TRIAS
+from meshops.methods import METHODS
 from meshops.operations import Remesh
-from meshops.operations.remesh import remesh_patch, replace_patch, runs, select
-from meshops.patch import components, extract
-from meshops.remesher import RemeshError, remesh_isotropic
-from meshops.surface import PatchSurface
-from meshops.topology import topology
+from meshops.operations.remesh import MOST_RINGS, SHIFTS, SIZES, remesh_place, select
+from meshops.patch import extract
 from meshops.workpiece import Setting, Workpiece
-from tests.meshes import (
-    CURVED_KINDS,
-    FLAT_KINDS,
-    annulus,
-    barriers,
-    cylinder,
-    distances_to_trias,
-    folded,
-    in_two_regions,
-    joined,
-    make,
-    meshes,
-    paraboloid,
-    rib,
-    sheet,
-    sides,
-    torus,
-    unsound,
-    with_,
-)
+from tests.measures import barriers, crossable_edges, users, zones
+from tests.meshes import CURVED_KINDS, FLAT_KINDS, in_two_regions, meshes, sheet, with_
 
-PAPER = Remesh(ranges=5, reach=None)
-bounded = settings(max_examples=40, deadline=None)
+FRONT = [method.name for method in METHODS].index("front")
+bounded = settings(max_examples=25, deadline=None)
 
 
-def workpiece(mesh, *, element_size=None):
-    fitness = Fitness("quality", len(mesh.elements))
-    return Workpiece(mesh, Setting(STANDARD.at(1.0), fitness, element_size=element_size))
+def workpiece(mesh):
+    return Workpiece(mesh, Setting(STANDARD.at(1.0), Fitness("quality", len(mesh.elements))))
 
 
-def remeshed(mesh, *ranges, element_size=None):
-    ranges = np.array(ranges or [(1, len(mesh.elements))], np.int32)
-    return apply(mesh, PAPER.apply(workpiece(mesh, element_size=element_size), ranges))
+def place(rank, *, shift=0, rings=1, other=0, size=0, method=FRONT):
+    return np.array([(rank, shift, rings, other, size, method)], np.int32)
 
 
-# --- what comes out -----------------------------------------------------------------------------
-
-
-def test_a_rough_sheet_comes_out_without_tria_and_with_few_failed_elements():
-    mesh = sheet(8, 8, seed=4, jitter=0.35, trias=0.4)
-    before, after = workpiece(mesh), workpiece(remeshed(mesh))
-    assert before.tally[TRIAS] > 30
-    assert before.tally[FAILED] > 10
-    assert after.tally[TRIAS] == 0
-    assert after.tally[FAILED] <= 3
-
-
-@settings(max_examples=40, deadline=None)
-@given(meshes(FLAT_KINDS + CURVED_KINDS), st.integers(0, 10**6))
-def test_nearly_every_patch_can_be_remeshed(mesh, seed):
-    """Ragged ones too, with slits, and parts that touch in a node."""
-    piece = workpiece(mesh)
-    selected = np.random.default_rng(seed).random(len(mesh.elements)) < 0.85
-    for rows in components(piece.topology, selected):
-        if len(rows) > 1:
-            patch = extract(piece.topology, rows)
-            anew = remesh_patch(patch, None)
-            assert anew is not None
-            trias = np.count_nonzero(anew[1][:, 3] < 0)
-            assert trias % 2 == len(patch.border) % 2
-
-
-def patch_of(mesh):
-    found = topology(mesh)
-    (rows,) = components(found, np.ones(len(mesh.elements), bool))
-    return extract(found, rows)
-
-
-@pytest.mark.parametrize(
-    "mesh",
-    [
-        sheet(7, 6, seed=1, jitter=0.3),
-        annulus(seed=1, jitter=0.1),
-        cylinder(sheet(7, 6, seed=1, jitter=0.15)),
-        paraboloid(sheet(7, 6, seed=1, jitter=0.15)),
-    ],
-    ids=["sheet", "annulus", "cylinder", "paraboloid"],
-)
-def test_the_law_of_parity_holds_in_a_patch(mesh):
-    patch = patch_of(mesh)
-    _, elements = remesh_patch(patch, None)
-    directed = {side for element in elements for side in sides(element)}
-    inner = sum(side[::-1] in directed for side in directed) // 2
-    trias = np.count_nonzero(elements[:, 3] < 0)
-    quads = len(elements) - trias
-    assert 4 * quads + 3 * trias == 2 * inner + len(patch.border)
-    assert {side for side in directed if side[::-1] not in directed} == set(
-        map(tuple, patch.border.tolist())
+def with_trias(mesh, *cut):
+    """The mesh with some of its quads, by row, cut in two: the trias come last."""
+    quads = mesh.elements[list(cut)]
+    halves = [half for a, b, c, d in quads for half in ((a, b, c, -1), (a, c, d, -1))]
+    elements = np.concatenate([np.delete(mesh.elements, cut, axis=0), halves])
+    return with_(
+        mesh,
+        elements=elements,
+        region=np.zeros(len(elements)),
+        locked_elements=np.zeros(len(elements)),
+        element_ids=np.arange(1, len(elements) + 1),
     )
 
 
-def test_the_skin_around_a_rib_that_ends_inside_is_remeshed_on_both_sides():
-    mesh = joined(sheet(6, 6, seed=2, trias=0.8), rib(3, 2, at=3.0, start=1.0))
-    after = remeshed(mesh)
-    assert np.count_nonzero(after.is_tria) < np.count_nonzero(mesh.is_tria) / 4
-    assert barriers(after) == barriers(mesh)
-    assert topology(after).is_t_junction.sum() == 3
+def steps_between(mesh, first):
+    """How many crossable edges lie between one element and each other, by plain search."""
+    crossable, of_edge = crossable_edges(mesh), users(mesh)
+    beside = [set() for _ in mesh.elements]
+    for edge in crossable:
+        (one, _), (two, _) = of_edge[edge]
+        beside[one].add(two)
+        beside[two].add(one)
 
+    @cache
+    def ring(depth):
+        if depth == 0:
+            return frozenset([first])
+        inner = ring(depth - 1)
+        return inner.union(*(beside[row] for row in inner))
 
-def test_parts_of_a_patch_that_touch_in_a_node_stay_together_there():
-    """A ring of eight quads of which one opens it: its ends touch in a node."""
-    mesh = sheet(3, 3)
-    ring = [1, 2, 3, 4, 6, 7, 8]  # without the middle and the upper left
-    after = remeshed(mesh, *((n, n) for n in ring))
-    assert barriers(after) == barriers(mesh)
-    assert not unsound(after)
-
-
-def test_a_closed_surface_is_remeshed():
-    mesh = torus()
-    after = remeshed(mesh)
-    assert set(after.element_ids) == {0}
-    assert not unsound(after)
-    assert barriers(after) == Counter()
-    nodes, edges = len(after.points), len(topology(after).edges)
-    assert nodes - edges + len(after.elements) == 0
-
-
-def test_the_size_of_the_elements_can_be_given():
-    mesh = sheet(12, 12)
-    coarse, fine = remeshed(mesh, element_size=2.0), remeshed(mesh, element_size=0.5)
-    assert len(coarse.elements) < 100 < 250 < len(fine.elements)
-    assert barriers(coarse) == barriers(fine) == barriers(mesh)
-
-
-def test_size_is_kept_where_none_is_given():
-    mesh = sheet(10, 10, seed=5, jitter=0.2)
-    assert len(remeshed(mesh).elements) == pytest.approx(100, abs=10)
-    tiny = with_(mesh, points=mesh.points * 1e-3)
-    assert len(remeshed(tiny).elements) == pytest.approx(100, abs=10)
-
-
-def test_a_sheet_far_from_the_origin_is_remeshed():
-    mesh = sheet(6, 6, seed=5, jitter=0.2, trias=0.3)
-    far = with_(mesh, points=mesh.points + np.array([1e6, -2e6, 3e6]))
-    after = remeshed(far)
-    assert set(after.element_ids) == {0}
-    assert barriers(after) == barriers(far)
-
-
-def test_what_pymeshlab_was_called_with_before_does_not_matter():
-    mesh = make("paraboloid", 3)
-    once = remeshed(mesh).digest
-    other = pymeshlab.MeshSet(verbose=False)
-    other.create_sphere()
-    other.meshing_isotropic_explicit_remeshing(
-        iterations=1, adaptive=True, splitflag=False, collapseflag=False, swapflag=False,
-        smoothflag=False, reprojectflag=False, checksurfdist=True,
-    )  # fmt: skip
-    assert remeshed(mesh).digest == once
-
-
-@bounded
-@given(meshes(FLAT_KINDS), st.integers(0, 10**6))
-def test_patches_at_once_are_patches_one_by_one(mesh, seed):
-    """By what they add to the tally, as their numbers differ."""
-    piece = workpiece(mesh)
-    ranges = np.random.default_rng(seed).integers(1, len(mesh.elements) + 1, (3, 2))
-    edit = PAPER.apply(piece, ranges.astype(np.int32))
-    alone = [replace_patch(piece, rows)[1] for rows in select(piece, ranges)]
-    total = np.sum(alone, axis=0) if alone else 0 * piece.tally
-    np.testing.assert_allclose(piece.tally_change(edit), total, atol=1e-9)
+    return ring
 
 
 # --- what is selected ---------------------------------------------------------------------------
 
 
-def selected(mesh, *ranges):
-    return [rows.tolist() for rows in select(workpiece(mesh), np.array(ranges, np.int32))]
+@bounded
+@given(meshes(FLAT_KINDS), st.integers(0, 4), st.integers(0, 10**6))
+def test_a_disc_is_all_that_can_be_reached_in_so_many_steps(mesh, rings, seed):
+    mesh = with_(mesh, locked_elements=np.zeros(len(mesh.elements)))
+    piece = workpiece(mesh)
+    rank = 1 + seed % len(piece.bad_elements)
+    chosen = select(piece, place(rank, rings=rings)[0])
+    if piece.topology.editable.all():
+        ring = steps_between(mesh, int(piece.bad_elements[rank - 1]))
+        assert set(np.nonzero(chosen)[0]) == ring(rings)
 
 
-def test_ranges_are_united_whichever_way_they_run():
-    mesh = sheet(4, 3)
-    assert selected(mesh, (2, 4), (6, 3)) == [[1, 2, 3, 4, 5]]
-    assert selected(mesh, (5, 5)) == [[4]]
-    assert selected(mesh, (1, 1), (3, 3), (9, 10)) == [[0], [2], [8, 9]]
+def test_a_strip_leads_from_one_bad_element_to_another():
+    mesh = with_trias(sheet(9, 9), 9 * 4 + 1, 9 * 4 + 7)
+    piece = workpiece(mesh)
+    bad = piece.bad_elements
+    centres = np.array([mesh.points[e[e >= 0]].mean(axis=0) for e in mesh.elements[bad]])
+    other = 1 + int(np.argmax(np.abs(centres[:, 0] - centres[0, 0])))
+    chosen = select(piece, place(1, rings=0, other=other)[0])
+    assert chosen[bad[0]]
+    assert chosen[bad[other - 1]]
+    rows = np.nonzero(chosen)[0]
+    assert len(extract(piece.topology, rows.astype(np.int32)).rows) == len(rows)
+    middles = np.array([mesh.points[e[e >= 0]].mean(axis=0) for e in mesh.elements[rows]])
+    assert np.abs(middles[:, 1] - 4.5).max() < 1
+    wide = select(piece, place(1, rings=1, other=other)[0])
+    assert chosen.sum() < wide.sum() < len(mesh.elements) / 2
 
 
-def test_a_selection_is_split_by_regions_folds_and_locks():
-    mesh = sheet(4, 1)
-    assert selected(mesh, (1, 4)) == [[0, 1, 2, 3]]
-    assert selected(in_two_regions(mesh, 2.0), (1, 4)) == [[0, 1], [2, 3]]
-    assert selected(folded(mesh, 3.0), (1, 4)) == [[0, 1, 2], [3]]
-    locked = with_(mesh, locked_elements=[False, True, False, False])
-    assert selected(locked, (1, 4)) == [[0], [2, 3]]
+def test_a_shift_moves_the_centre_to_another_element_near_it():
+    mesh = with_trias(sheet(7, 7), 24)
+    piece = workpiece(mesh)
+    middles = []
+    for shift in range(SHIFTS):
+        (row,) = np.nonzero(select(piece, place(1, shift=shift, rings=0)[0]))[0]
+        middles.append(int(row))
+    assert middles[0] == piece.bad_elements[0]
+    assert len(set(middles)) == SHIFTS
+    near = steps_between(mesh, int(piece.bad_elements[0]))(3)
+    assert set(middles) <= near
 
 
-def test_one_element_alone_is_not_remeshed():
-    assert PAPER.apply(workpiece(sheet(3, 3)), np.array([(5, 5)], np.int32)).is_empty
+def test_a_place_ends_at_a_barrier():
+    mesh = in_two_regions(with_trias(sheet(8, 4), 3), 4.0)
+    chosen = select(workpiece(mesh), place(1, rings=7)[0])
+    assert set(mesh.region[chosen]) == {3}
 
 
-@given(st.sets(st.integers(0, 60), min_size=1))
-def test_runs_cover_just_their_rows(rows):
-    found = runs(np.array(sorted(rows, key=lambda row: -row), np.int32))
-    covered = [n for low, high in found.tolist() for n in range(low, high + 1)]
-    assert covered == [row + 1 for row in sorted(rows)]
-    assert all(low - high > 1 for (_, high), (low, _) in pairwise(found))
+# --- what comes out -----------------------------------------------------------------------------
+
+
+def test_a_strip_between_two_trias_takes_both():
+    points = sheet(8, 4)
+    quads = points.elements
+    # a quad each at either end of a row loses a corner: two trias, seven elements apart
+    mesh = with_trias(points, 9, 14)
+    piece = workpiece(mesh)
+    after = [
+        apply(mesh, Remesh().apply(piece, place(1, rings=1, other=other)))
+        for other in range(1, len(piece.bad_elements) + 1)
+    ]
+    assert len(quads) == 32
+    assert min(np.count_nonzero(m.is_tria) for m in after) == 0
+
+
+@settings(max_examples=40, deadline=None)
+@given(meshes(FLAT_KINDS + CURVED_KINDS), st.integers(0, 10**6))
+def test_the_trias_of_a_patch_keep_the_parity_of_its_border(mesh, seed):
+    """4 quads + 3 trias = 2 inner edges + border edges, whatever the method."""
+    piece = workpiece(mesh)
+    rng = np.random.default_rng(seed)
+    space = Remesh().search_space(piece, rng)
+    if space is None:
+        return
+    for genome in space.draw(rng, 3):
+        for parameters in space.parameters(genome):
+            for edit, change in remesh_place(piece, parameters):
+                if edit.is_empty:
+                    continue
+                border = len(extract(piece.topology, edit.removed).border)
+                trias = np.count_nonzero(edit.added_elements[:, 3] < 0)
+                assert trias % 2 == border % 2
+                assert change[TRIAS] == trias - np.count_nonzero(mesh.is_tria[edit.removed])
+                after = apply(mesh, edit)
+                assert barriers(after) == barriers(mesh)
+                assert all(zone.trias % 2 == zone.sides % 2 for zone in zones(after))
+
+
+@pytest.mark.parametrize("method", range(len(METHODS)), ids=[m.name for m in METHODS])
+def test_every_method_mends_a_rough_disc(method):
+    mesh = sheet(10, 10, seed=3, jitter=0.3, trias=0.4)
+    piece = workpiece(mesh)
+    after = apply(mesh, Remesh().apply(piece, place(1, rings=6, method=method)))
+    assert np.count_nonzero(after.is_tria) < np.count_nonzero(mesh.is_tria) - 5
+
+
+def test_a_larger_size_makes_fewer_elements():
+    mesh = with_trias(sheet(16, 16), 100)
+    counts = [
+        len(apply(mesh, Remesh().apply(workpiece(mesh), place(1, rings=7, size=size))).elements)
+        for size in np.argsort(SIZES)
+    ]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] > counts[-1]
+
+
+# --- genomes and parameters ---------------------------------------------------------------------
+
+
+def test_the_genes_are_rank_shift_rings_other_size_and_method():
+    piece = workpiece(with_trias(sheet(5, 4), 7, 12))
+    space = Remesh().search_space(piece, np.random.default_rng(0))
+    bad = len(piece.bad_elements)
+    assert space.bounds.tolist() == [
+        bad, SHIFTS, MOST_RINGS, bad + 1, len(SIZES), len(METHODS)
+    ]  # fmt: skip
+    genomes = space.draw(np.random.default_rng(1), 400)
+    assert (genomes.max(axis=0) == space.bounds - 1).all()
+    assert np.mean(genomes[:, 3] == 0) > 0.5
+    ranks = np.bincount(genomes[:, 0])
+    assert ranks[0] > ranks[-1]
+
+
+def test_what_cannot_be_remeshed_has_no_parameters():
+    piece = workpiece(sheet(1, 1))  # one element alone is not meshed anew
+    space = Remesh().search_space(piece, np.random.default_rng(0))
+    genome = np.zeros(6, np.int64)
+    assert len(space.parameters(genome)) == 0
+    assert np.isnan(space.tally(genome)).all()
+
+
+@pytest.mark.parametrize("place", [place(0), place(-2), place(99), place(1, other=99)])
+def test_ranks_that_the_mesh_does_not_have_are_left_out(place):
+    assert Remesh().apply(workpiece(sheet(4, 4)), place).is_empty
+
+
+@pytest.mark.parametrize("wrong", [{"size": len(SIZES)}, {"method": len(METHODS)}, {"size": -1}])
+def test_sizes_and_methods_that_there_are_not_are_refused(wrong):
+    with pytest.raises(ValueError, match="no size"):
+        Remesh().apply(workpiece(sheet(4, 4)), place(1, **wrong))
 
 
 def test_a_mesh_that_is_locked_whole_has_no_genomes():
-    mesh = sheet(3, 3)
-    locked = with_(mesh, locked_elements=np.ones(9))
-    assert Remesh().search_space(workpiece(locked), np.random.default_rng(0)) is None
+    mesh = with_(sheet(3, 3), locked_elements=np.ones(9))
+    assert Remesh().search_space(workpiece(mesh), np.random.default_rng(0)) is None
 
 
-def test_genes_are_the_ends_of_ranges_anywhere_without_reach():
-    mesh = sheet(5, 4)
-    space = PAPER.search_space(workpiece(mesh), np.random.default_rng(0))
-    assert space.bounds.tolist() == [20] * 10
-    genomes = space.draw(np.random.default_rng(1), 500)
-    assert genomes.min() == 0
-    assert genomes.max() == 19
-    assert space.parameters(np.array([0, 4, 19, 7, 3, 3, 1, 2, 5, 6])).tolist() == [
-        [1, 5], [20, 8], [4, 4], [2, 3], [6, 7]
-    ]  # fmt: skip
-
-
-@bounded
-@given(meshes(FLAT_KINDS), st.integers(1, 30), st.integers(0, 10**6))
-def test_with_a_reach_ranges_are_around_bad_elements(mesh, reach, seed):
-    operation = Remesh(ranges=1, reach=reach)
-    piece = workpiece(mesh)
-    space = operation.search_space(piece, np.random.default_rng(0))
-    if space is None:
-        return
-    assert space.bounds.tolist() == [len(piece.bad_elements), min(reach, len(mesh.elements))]
-    for genome in space.draw(np.random.default_rng(seed), 10):
-        rows = [n - 1 for low, high in space.parameters(genome) for n in range(low, high + 1)]
-        site = piece.bad_elements[genome[0]]
-        assert all(abs(row - site) <= (genome[1] + 1) // 2 for row in rows)
-        assert len(rows) <= reach
-
-
-@bounded
-@given(meshes(FLAT_KINDS + CURVED_KINDS), st.integers(0, 10**6))
-def test_with_a_reach_no_genome_makes_a_mesh_less_fit(mesh, seed):
-    operation = Remesh(ranges=1, reach=40)
-    piece = workpiece(mesh)
-    space = operation.search_space(piece, np.random.default_rng(0))
-    if space is None:
-        return
-    genomes = space.draw(np.random.default_rng(seed), 10)
-    fitness = piece.fitness(space.evaluate(genomes))
-    start = piece.fitness(piece.tally[None])[0]
-    for genome, fit in zip(genomes, fitness, strict=True):
-        unchanged = len(space.parameters(genome)) == 0
-        assert fit == start if unchanged else fit > start
-
-
-# --- what is refused ----------------------------------------------------------------------------
-
-
-def without_middle(points, trias, border_nodes):
-    middle = np.linalg.norm(points[trias].mean(axis=1) - points.mean(axis=0), axis=1).argmin()
-    return points, np.delete(trias, middle, axis=0)
-
-
-def with_one_twice(points, trias, border_nodes):
-    return points, np.concatenate([trias, trias[:1]])
-
-
-def upside_down(points, trias, border_nodes):
-    return points, np.ascontiguousarray(trias[:, ::-1])
-
-
-def with_a_node_astray(points, trias, border_nodes):
-    points = points.copy()
-    points[-1] += (9.0, 9.0, 0.0)
-    return points, trias
-
-
-def lifted_off(points, trias, border_nodes):
-    points = points.copy()
-    points[border_nodes:, 2] += 0.5
-    return points, trias
-
-
-def not_even_a_mesh(points, trias, border_nodes):
-    raise RemeshError("no")
-
-
-@pytest.mark.parametrize("bend", [lambda mesh: mesh, cylinder], ids=["plane", "cylinder"])
-@pytest.mark.parametrize(
-    "spoil", [without_middle, with_one_twice, upside_down, with_a_node_astray, not_even_a_mesh]
-)
-def test_what_the_remesher_spoils_is_not_put_in(spoil, bend, monkeypatch):
-    patch = patch_of(bend(sheet(6, 6, seed=1, trias=0.3)))
-
-    def spoiled(points, trias, border, size):
-        return spoil(*remesh_isotropic(points, trias, border, size), patch.border_nodes)
-
-    assert remesh_patch(patch, None) is not None
-    monkeypatch.setattr("meshops.operations.remesh.remesh_isotropic", spoiled)
-    monkeypatch.setattr("meshops.operations.remesh.SMOOTHING_SWEEPS", 0)
-    assert remesh_patch(patch, None) is None
-
-
-def test_what_lies_off_the_surface_is_brought_back(monkeypatch):
-    patch = patch_of(cylinder(sheet(6, 6)))
-
-    def spoiled(points, trias, border, size):
-        return lifted_off(*remesh_isotropic(points, trias, border, size), patch.border_nodes)
-
-    monkeypatch.setattr("meshops.operations.remesh.remesh_isotropic", spoiled)
-    points, _ = remesh_patch(patch, None)
-    surface = patch.points[PatchSurface.of(patch.points, patch.elements).trias]
-    for point in points:
-        assert distances_to_trias(point, surface).min() < 1e-9
-
-
-SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
-HALVES = np.array([(0, 1, 2), (0, 2, 3)], np.int32)
-RIM = np.array([(0, 1), (1, 2), (2, 3), (3, 0)], np.int32)
-
-
-@pytest.mark.parametrize("size", [0.0, -1.0, np.nan, np.inf, 1e-9])
-def test_sizes_that_make_no_mesh_are_refused(size):
-    with pytest.raises(RemeshError, match=r"finite|large"):
-        remesh_isotropic(SQUARE, HALVES, RIM, size)
-
-
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30, 1e200])
-def test_coordinates_that_make_no_mesh_are_refused(value):
-    points = SQUARE.copy()
-    points[2, 1] = value
-    with pytest.raises(RemeshError, match=r"finite|large"):
-        remesh_isotropic(points, HALVES, RIM, 0.5)
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("value", [np.nan, np.inf, 1e30, 1e200])
-def test_a_node_out_of_this_world_is_left_alone(value):
-    mesh = sheet(6, 6, seed=5, jitter=0.2)
-    points = mesh.points.copy()
-    points[24] = value
-    after = remeshed(with_(mesh, points=points))
-    around = (mesh.elements == 24).any(axis=1)
-    assert set(mesh.element_ids[around]) <= set(after.element_ids)
-
-
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("factor", [1e160, 1e-160])
-def test_numbers_at_the_ends_of_their_range_change_nothing(factor):
-    mesh = sheet(4, 4, seed=5, jitter=0.2)
-    extreme = with_(mesh, points=mesh.points * factor)
-    assert remeshed(extreme).digest == extreme.digest
-
-
-@pytest.mark.parametrize("ranges", [[(0, 3)], [(2, 13)], [(1, 2), (-4, 5)]])
-def test_numbers_that_the_mesh_does_not_have_are_refused(ranges):
-    with pytest.raises(ValueError, match="from 1 to 12"):
-        PAPER.apply(workpiece(sheet(4, 3)), np.array(ranges, np.int32))
-
-
-def test_no_ranges_are_an_empty_edit():
-    assert PAPER.apply(workpiece(sheet(3, 3)), np.zeros((0, 2), np.int32)).is_empty
-
-
-def test_parameters_are_written_as_in_figure_10():
-    ranges = np.array([(33, 301), (317, 243), (9, 9)], np.int32)
-    assert PAPER.format(ranges) == "33-301 317-243 9-9"
-    assert PAPER.format(ranges[:0]) == ""
+def test_parameters_tell_the_place_and_the_method():
+    assert Remesh().format(place(3, shift=2, rings=4)) == "3+2 r4 100% front"
+    assert Remesh().format(place(3, other=5, rings=2, size=1, method=0)) == "3-5 r2 90% isotropic"
+    assert Remesh().format(place(1)[:0]) == ""

@@ -15,8 +15,8 @@ from meshops.kernels.merging import LEAST_CORNER
 from meshops.kernels.quality import QUADS, TRIAS, compound_indices
 from meshops.kernels.soundness import FACING
 from meshops.mesh import ShellMesh
-from meshops.operations import ReplaceNode
-from meshops.operations.replace_node import mergeable_pairs
+from meshops.operations import ReplaceNode, ReplaceNodePairs
+from meshops.operations.replace_node import mergeable_pairs, ranked_pairs
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
@@ -35,7 +35,7 @@ from tests.meshes import (
     with_,
 )
 
-EVERYTHING = ReplaceNode(pairs=3, pool=10_000)
+EVERYTHING = ReplaceNodePairs(pairs=3, pool=10_000)
 
 
 def workpiece(mesh, kind="quality"):
@@ -284,7 +284,7 @@ def test_pairs_that_overlap_make_no_mesh():
     for genome in ([one, two], [one, back], [one, one]):
         assert np.isnan(space.evaluate(np.array([genome]))).all()
         assert EVERYTHING.apply(workpiece(mesh), space.parameters(np.array(genome))).is_empty
-    assert np.isfinite(space.evaluate(np.array([[one, len(pool)]]))).all()
+    assert np.isfinite(space.evaluate(np.array([[one, len(pool)]]))).all()  # a gene beyond: no pair
 
 
 def test_the_pool_is_the_pairs_that_harm_quality_least():
@@ -306,7 +306,7 @@ def test_the_pool_is_the_pairs_that_harm_quality_least():
 
 
 def test_in_the_paper_every_gene_is_another_pair_of_the_pool():
-    operation = ReplaceNode(pairs=6, pool=50, optional=False)
+    operation = ReplaceNodePairs(pairs=6, pool=50)
     space = operation.search_space(workpiece(sheet(8, 8)), np.random.default_rng(0))
     genomes = space.draw(np.random.default_rng(1), 200)
     assert genomes.shape == (200, 6)
@@ -324,6 +324,29 @@ def test_an_optional_gene_is_nothing_half_of_the_time():
     nothing = np.full((1, 6), 99)
     assert np.array_equal(space.evaluate(nothing)[0], space.workpiece.tally)
     assert operation.apply(space.workpiece, space.parameters(nothing[0])).is_empty
+
+
+def test_ranks_begin_at_the_worst_element():
+    points = sheet(9, 3).points.copy()
+    points[15, :2] = (5.3, 1.4)  # the elements around (5, 1) are the worst
+    piece = workpiece(with_(sheet(9, 3), points=points))
+    pairs, _ = ranked_pairs(piece)
+    distance = np.linalg.norm(points[pairs[:, 0]] - points[15], axis=1)
+    assert distance[:8].max() < 2.5 < 4 < distance[-8:].max()
+
+
+def test_the_pair_of_a_rank_is_merged_and_ranks_beyond_are_skipped():
+    piece = workpiece(sheet(5, 5, seed=1, jitter=0.2))
+    pairs, _ = ranked_pairs(piece)
+    operation = ReplaceNode()
+    for rank in (1, 5):
+        edit = operation.apply(piece, np.array([(rank, 0)], np.int32))
+        by_number = pairs[rank - 1] + np.array([1, 1, 0], np.int32)
+        same = EVERYTHING.apply(piece, by_number[None])
+        assert apply(piece.mesh, edit).digest == apply(piece.mesh, same).digest
+    for rank in (0, -3, len(pairs) + 1):
+        assert operation.apply(piece, np.array([(rank, 0)], np.int32)).is_empty
+    assert operation.format(np.array([(3, 0), (17, 0)], np.int32)) == "3 17"
 
 
 def test_counting_alone_counts_as_measuring_does():
@@ -346,8 +369,8 @@ def test_a_mesh_without_a_free_node_has_no_pairs():
 
 def test_fewer_pairs_than_genes_is_no_space_where_each_gene_is_a_pair():
     piece, rng = workpiece(sheet(2, 1)), np.random.default_rng(0)
-    assert replace(EVERYTHING, pairs=50, optional=False).search_space(piece, rng) is None
-    assert replace(EVERYTHING, pairs=50).search_space(piece, rng) is not None
+    assert replace(EVERYTHING, pairs=50).search_space(piece, rng) is None
+    assert ReplaceNode(pairs=50).search_space(piece, rng) is not None
 
 
 # --- parameters ---------------------------------------------------------------------------------
@@ -355,8 +378,8 @@ def test_fewer_pairs_than_genes_is_no_space_where_each_gene_is_a_pair():
 
 def test_parameters_are_written_as_in_figure_10():
     parameters = np.array([(242, 243, 0), (63, 64, 1), (8, 9, 0)], np.int32)
-    assert ReplaceNode().format(parameters) == "242,243 63~64 8,9"
-    assert ReplaceNode().format(parameters[:0]) == ""
+    assert EVERYTHING.format(parameters) == "242,243 63~64 8,9"
+    assert EVERYTHING.format(parameters[:0]) == ""
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,40 @@ class MigrationReport:
 
 
 @dataclass(frozen=True)
+class RoundReport:
+    """What a round over all bad places of a mesh has brought.
+
+    Attributes
+    ----------
+    turn : int
+        From 0.
+    rings : int
+        How far the places reached.
+    places, changed, solved : int
+        Places that were worked on, those that are better now, those without a fault now.
+    failed, trias : int
+        Of the whole mesh after the round.
+    evaluations : int
+        Since the start of the run.
+    seconds : float
+        Since the start of the run.
+    rates : Mapping
+        How often each operation was drawn, by its name.
+    """
+
+    turn: int
+    rings: int
+    places: int
+    changed: int
+    solved: int
+    failed: int
+    trias: int
+    evaluations: int
+    seconds: float
+    rates: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class RunFinished:
     """The last event of a run, whatever ended it.
 
@@ -144,7 +178,7 @@ class RunFinished:
     digest: str
 
 
-Event = RunStarted | GenerationReport | MigrationReport | RunFinished
+Event = RunStarted | GenerationReport | MigrationReport | RoundReport | RunFinished
 
 
 class Recorder(Protocol):

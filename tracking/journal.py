@@ -16,6 +16,7 @@ from tracking.events import (
     GenerationReport,
     MeshSummary,
     MigrationReport,
+    RoundReport,
     RunFinished,
     RunStarted,
 )
@@ -28,7 +29,8 @@ MIGRATIONS = "migrations.parquet"
 # the order of events of different kinds; JSON lets a kind gain a column without a new file format
 # and gives floats back bit for bit. Typed columns are what the Parquet files are for.
 _KINDS: dict[str, type[Event]] = {
-    kind.__name__: kind for kind in (RunStarted, GenerationReport, MigrationReport, RunFinished)
+    kind.__name__: kind
+    for kind in (RunStarted, GenerationReport, MigrationReport, RoundReport, RunFinished)
 }
 
 

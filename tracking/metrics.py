@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from tracking.events import Event, GenerationReport, MeshSummary, RunFinished, RunStarted
+from tracking.events import Event, GenerationReport, MeshSummary, RoundReport, RunFinished, RunStarted
 from tracking.overview import ALL_ISLANDS, Overview
 
 
@@ -46,6 +46,16 @@ class Metrics:
         elif isinstance(event, GenerationReport):
             for report in (event, *self._overview.add(event)):
                 yield from _report_points(report, timestamp)
+        elif isinstance(event, RoundReport):
+            figures = {
+                "round/places": event.places,
+                "round/changed": event.changed,
+                "round/solved": event.solved,
+                "round/rings": event.rings,
+                "round/failed": event.failed,
+                "round/trias": event.trias,
+            } | {f"rate/{name}": rate for name, rate in event.rates.items()}
+            yield from _points(ALL_ISLANDS, figures, timestamp, event.turn)
         elif isinstance(event, RunFinished):
             for report in self._overview.rest():
                 yield from _report_points(report, timestamp)

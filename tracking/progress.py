@@ -12,6 +12,7 @@ from tracking.events import (
     GenerationReport,
     MeshSummary,
     Recorder,
+    RoundReport,
     RunFinished,
     RunStarted,
 )
@@ -50,6 +51,8 @@ class ProgressLines:
             print(f"{_title(event)}  {_before(event.before)}", file=self._stream, flush=True)
         elif isinstance(event, GenerationReport):
             print(_line(event), file=self._stream, flush=True)
+        elif isinstance(event, RoundReport):
+            print(_round(event), file=self._stream, flush=True)
         elif isinstance(event, RunFinished):
             print(_end(event), file=self._stream, flush=True)
 
@@ -149,6 +152,14 @@ def _line(report: GenerationReport) -> str:
         f"generation {report.generation}  island {report.island}  "
         f"fitness {report.best_so_far:.3f}  failed {report.failed}  trias {report.trias}  "
         f"Q.I. {report.compound_qi:.2f}  evaluations {report.evaluations}  {report.seconds:.1f} s"
+    )
+
+
+def _round(report: RoundReport) -> str:
+    return (
+        f"round {report.turn}  {report.places} places of {report.rings} rings  "
+        f"{report.changed} better, {report.solved} without a fault  failed {report.failed}  "
+        f"trias {report.trias}  {report.seconds:.1f} s"
     )
 
 

@@ -8,10 +8,17 @@ from dataclasses import dataclass
 
 from islands.archipelago import TimeUpError
 from islands.genetics import Breeding
-from islands.integration_ga import Evaluator, Handle, Outcome, Problem, Task, run_task
+from islands.integration_ga import (
+    REMEMBERED_BYTES,
+    Evaluator,
+    Handle,
+    Outcome,
+    Problem,
+    Task,
+    Work,
+    run_task,
+)
 from islands.island import IslandState, Migrants, step
-from meshops.mesh import ShellMesh
-from meshops.workpiece import Workpiece
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,32 +41,35 @@ class LocalRunner:
 class LocalExecutor:
     """All islands in this process."""
 
-    def __init__(
-        self,
-        problem: Problem,
-        mesh: ShellMesh,
-        breeding: Breeding,
-        genes: int,
-        *,
-        deadline: float = float("inf"),
-    ) -> None:
-        root = root_outcome(problem, mesh)
-        self._evaluator = Evaluator(problem, LocalRunner(problem, deadline), root, mesh)
+    def __init__(self, breeding: Breeding, genes: int, *, deadline: float = float("inf")) -> None:
         self._breeding = breeding
         self._genes = genes
+        self._deadline = deadline
+        self._evaluators: list[Evaluator] = []
+
+    def open(self, works: Sequence[Work]) -> None:
+        """Forget what earlier works have taught."""
+        self._evaluators = [evaluator(work, self._deadline, len(works)) for work in works]
 
     def advance(
         self, steps: Sequence[tuple[IslandState, Migrants | None]]
     ) -> Iterator[IslandState]:
         """Step the islands in turn."""
         for state, immigrants in steps:
-            yield step(state, immigrants, self._evaluator, self._breeding, self._genes)
+            scorer = self._evaluators[state.work]
+            yield step(state, immigrants, scorer, self._breeding, self._genes)
 
     def close(self) -> None:
         """Nothing is held."""
 
 
-def root_outcome(problem: Problem, mesh: ShellMesh) -> Outcome:
-    """Take the mesh that every procedure starts from as the outcome of no operation."""
-    workpiece = Workpiece(mesh, problem.setting)
-    return Outcome(mesh.digest, workpiece.tally, mesh.elements[:0, :2], 0)
+def evaluator(work: Work, deadline: float, sharers: int) -> Evaluator:
+    """Make an evaluator that works in this process; `sharers` evaluators share its memory."""
+    return Evaluator(
+        work.problem,
+        LocalRunner(work.problem, deadline),
+        work.root,
+        work.mesh,
+        is_enough=work.is_solved,
+        remembered_bytes=REMEMBERED_BYTES / sharers,
+    )

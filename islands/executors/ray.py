@@ -23,12 +23,11 @@ import ray
 from ray.exceptions import RayError, RayTaskError
 
 from islands.archipelago import TimeUpError
-from islands.executors.local import root_outcome
+from islands.executors.local import evaluator
 from islands.genetics import Breeding
-from islands.integration_ga import Evaluator, Handle, Outcome, Problem, Task, run_task
+from islands.integration_ga import Evaluator, Handle, Outcome, Task, Work, run_task
 from islands.island import IslandState, Migrants, step
 from meshops.errors import InputError
-from meshops.mesh import ShellMesh
 
 TRIES = 3
 """Times that a generation is asked for before a fault of the cluster ends the run."""
@@ -52,33 +51,59 @@ class RayRunner:
         return list(zip(outcomes, [mesh for _, mesh in results], strict=True))
 
 
-class _Island:
-    """An island's actor. References arrive in lists, which keeps Ray from fetching them."""
+class _Islands:
+    """An actor that hosts islands. References arrive in lists, which keeps Ray from fetching them.
 
-    def __init__(
-        self, problem: list[Any], root: Outcome, mesh: list[Any], breeding: Breeding, genes: int
-    ) -> None:
-        runner = RayRunner(problem[0])
-        self._evaluator = Evaluator(ray.get(problem[0]), runner, root, mesh[0])
+    An island that has the mesh for itself runs its operation GAs as tasks. Where there are many
+    works each is small, its operation GAs take milliseconds, and they run here.
+    """
+
+    def __init__(self, works: list[Any], breeding: Breeding, genes: int) -> None:
+        self._works = works
         self._breeding = breeding
         self._genes = genes
+        self._evaluators: dict[int, Evaluator] = {}
 
-    def step(self, state: IslandState, immigrants: Migrants | None) -> IslandState:
-        """Step the island by one generation."""
-        return step(state, immigrants, self._evaluator, self._breeding, self._genes)
+    def step(
+        self, steps: list[tuple[IslandState, Migrants | None]], deadline: float
+    ) -> list[IslandState]:
+        """Step islands by one generation each; those that the time did not suffice for are left out."""
+        seconds = time.monotonic() + deadline - time.time()
+        states = []
+        try:
+            for state, immigrants in steps:
+                scorer = self._evaluator(state.work, seconds)
+                states.append(step(state, immigrants, scorer, self._breeding, self._genes))
+        except TimeUpError:
+            pass
+        return states
+
+    def _evaluator(self, work: int, deadline: float) -> Evaluator:
+        if work not in self._evaluators:
+            got = ray.get(self._works[work])
+            if len(self._works) == 1:
+                runner = RayRunner(ray.put(got.problem))
+                self._evaluators[work] = Evaluator(
+                    got.problem, runner, got.root, ray.put(got.mesh), is_enough=got.is_solved
+                )
+            else:
+                self._evaluators[work] = evaluator(got, deadline, len(self._works))
+        return self._evaluators[work]
 
 
 # Actors wait while their tasks work: a whole CPU each would leave none for the tasks.
-_IslandActor = ray.remote(num_cpus=0.01, scheduling_strategy="SPREAD")(_Island)
+_Actor = ray.remote(num_cpus=0.01, scheduling_strategy="SPREAD")(_Islands)
 
 
 class RayExecutor:
-    """One actor an island, on a cluster or, without an address, on this machine."""
+    """Islands in actors, on a cluster or, without an address, on this machine.
+
+    The islands of a work share an actor, and with it what they learn, where there are at least as
+    many works as CPUs; otherwise each island has one of its own.
+    """
 
     def __init__(
         self,
-        problem: Problem,
-        mesh: ShellMesh,
         breeding: Breeding,
         genes: int,
         *,
@@ -86,57 +111,72 @@ class RayExecutor:
         deadline: float = float("inf"),
     ) -> None:
         self._started_ray = connect(address)
-        self._deadline = deadline
+        self._breeding = breeding
+        self._genes = genes
+        # actors may be on machines with another monotonic clock
+        self._deadline = time.time() + deadline - time.monotonic()
+        self._cpus = max(1, int(ray.cluster_resources().get("CPU", 1)))
+        self._works: list[Any] = []
         self._actors: dict[int, Any] = {}
-        self._arguments = (
-            [ray.put(problem)],
-            root_outcome(problem, mesh),
-            [ray.put(mesh)],
-            breeding,
-            genes,
-        )
+
+    def open(self, works: Sequence[Work]) -> None:
+        """Put the works into the object store, each once."""
+        for actor in list(self._actors):
+            self._forget(actor)
+        self._works = [ray.put(work) for work in works]
 
     def advance(
         self, steps: Sequence[tuple[IslandState, Migrants | None]]
     ) -> Iterator[IslandState]:
-        """Step all islands at the same time."""
-        tries = dict.fromkeys(range(len(steps)), 1)
-        running = {self._ask(*asked): number for number, asked in enumerate(steps)}
+        """Step all islands, those of one actor in turn and the actors at the same time."""
+        shares: dict[int, list[tuple[IslandState, Migrants | None]]] = {}
+        for asked in steps:
+            shares.setdefault(self._actor_of(asked[0]), []).append(asked)
+        tries = dict.fromkeys(shares, 1)
+        running = {self._ask(actor, share): actor for actor, share in shares.items()}
         while running:
             ready, _ = ray.wait(list(running), timeout=self._seconds_left())
             if not ready:
                 raise TimeUpError
-            number = running.pop(ready[0])
+            actor = running.pop(ready[0])
             try:
-                yield ray.get(ready[0])
+                states = ray.get(ready[0])
             except RayTaskError:
                 raise  # our own code failed, and would again
             except RayError:
-                if tries[number] == TRIES:
+                if tries[actor] == TRIES:
                     raise
-                tries[number] += 1
-                self._forget(steps[number][0].island)
-                running[self._ask(*steps[number])] = number
+                tries[actor] += 1
+                self._forget(actor)
+                running[self._ask(actor, shares[actor])] = actor
+                continue
+            yield from states
+            if len(states) < len(shares[actor]):
+                raise TimeUpError
 
     def close(self) -> None:
         """End the actors, and Ray where this executor started it."""
-        for island in list(self._actors):
-            self._forget(island)
+        for actor in list(self._actors):
+            self._forget(actor)
         if self._started_ray:
             ray.shutdown()
 
-    def _ask(self, state: IslandState, immigrants: Migrants | None) -> Any:
-        if state.island not in self._actors:
-            self._actors[state.island] = _IslandActor.remote(*self._arguments)
-        return self._actors[state.island].step.remote(state, immigrants)
+    def _actor_of(self, state: IslandState) -> int:
+        works = len(self._works)
+        return state.work % self._cpus if works >= self._cpus else state.island * works + state.work
 
-    def _forget(self, island: int) -> None:
-        ray.kill(self._actors.pop(island))
+    def _ask(self, actor: int, share: list[tuple[IslandState, Migrants | None]]) -> Any:
+        if actor not in self._actors:
+            self._actors[actor] = _Actor.remote(self._works, self._breeding, self._genes)
+        return self._actors[actor].step.remote(share, self._deadline)
+
+    def _forget(self, actor: int) -> None:
+        ray.kill(self._actors.pop(actor))
 
     def _seconds_left(self) -> float | None:
         if self._deadline == float("inf"):
             return None
-        return max(0.0, self._deadline - time.monotonic())
+        return max(0.0, self._deadline - time.time())
 
 
 def connect(address: str | None) -> bool:

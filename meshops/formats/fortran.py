@@ -27,6 +27,17 @@ def real(text: str) -> float:
     return float(f"{short[1]}E{short[2]}" if short else plain)
 
 
+def canonical(text: str, *, zero: str = "0.0") -> str:
+    """Make texts of one value equal; an integer stays one, and a zero becomes ``zero``."""
+    if not text or text.isdecimal():
+        return text
+    try:
+        value = real(text)
+    except ValueError:
+        return text.upper()
+    return repr(value) if value else zero
+
+
 def real_field(value: float, width: int = 16) -> str:
     """Write a number as exactly as ``width`` characters allow, in no more than it needs."""
     exact = _without_waste(repr(value))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from meshops.formats.fortran import real
-from meshops.formats.nastran_cards import Card, Form
+from meshops.formats.fortran import canonical, real, real_field
+from meshops.formats.nastran_cards import Card, Form, card_lines
+from meshops.formats.nastran_loads import Pressure
 
 CORNERS = {"CQUAD4": 4, "CTRIA3": 3, "CQUADR": 4, "CTRIAR": 3}
 """The cards that are elements here, and their numbers of nodes."""
@@ -16,7 +17,7 @@ _TRIAS = {"CQUAD4": "CTRIA3", "CQUADR": "CTRIAR"}
 
 
 class Attributes(NamedTuple):
-    """What a shell card says besides its id and nodes, as typed.
+    """What a deck says of a shell besides its id and nodes, as typed.
 
     A tria has no T4; where it has thicknesses, T4 repeats T3, so that a tria and a quad of uniform
     thickness can be of one region.
@@ -29,31 +30,56 @@ class Attributes(NamedTuple):
     tflag: str
     thickness: tuple[str, str, str, str]
     form: Form
+    pressures: tuple[Pressure, ...] = ()
 
     @property
-    def region_key(self) -> tuple[str, ...]:
-        """Equal for elements that differ in nothing but id and nodes."""
-        angle_and_offset = (_value(self.theta, zero=""), _value(self.zoffs, zero=""))
-        tflag = "" if self.tflag == "0" else self.tflag
-        return (self.quad, self.pid, *angle_and_offset, tflag, *map(_value, self.thickness))
+    def key_but_theta(self) -> tuple[object, ...]:
+        """Equal for elements that differ in nothing but id, nodes and THETA."""
+        return (
+            self.quad,
+            self.pid,
+            canonical(self.zoffs, zero=""),
+            "" if self.tflag == "0" else self.tflag,
+            *map(canonical, self.thickness),
+            tuple(sorted(pressure.key for pressure in self.pressures)),
+        )
+
+    @property
+    def theta_key(self) -> str:
+        """Equal for equal THETA; MCID 0 is not THETA 0."""
+        return canonical(self.theta, zero="")
+
+    @property
+    def angle(self) -> float | None:
+        """THETA in degrees, None where it is the number of a coordinate system or no number."""
+        try:
+            return None if self.theta.isdecimal() else real(self.theta)
+        except ValueError:
+            return None
 
     @property
     def is_uniform(self) -> bool:
         """Whether the thickness is the same at all nodes: else it belongs to these nodes alone."""
-        return len(set(map(_value, self.thickness))) == 1
+        return len(set(map(canonical, self.thickness))) == 1
 
-    def card(self, element: int, nodes: Sequence[int]) -> tuple[str, list[str]]:
-        """Name and fields of a card with these attributes on three or four nodes."""
+    def turned(self, angle: float | None) -> Attributes:
+        """Attributes with another THETA in degrees, as exactly as its field allows; or the same."""
+        if angle is None:
+            return self
+        return self._replace(theta=real_field(round(angle, 9), 16 if self.form.wide else 8))
+
+    def lines(self, element: int, nodes: Sequence[int]) -> list[str]:
+        """Write the card of an element with these attributes on three or four nodes."""
         corners = [str(node) for node in nodes]
         # a quad has its nodes in fields 2 to 5, a tria in 2 to 4 and two blanks after ZOFFS
         gap = [""] if len(nodes) == 4 else ["", ""]
         name = self.quad if len(nodes) == 4 else _TRIAS[self.quad]
         head = [str(element), self.pid, *corners, self.theta, self.zoffs, *gap, self.tflag]
-        return name, [*head, *self.thickness[: len(nodes)]]
+        return card_lines(name, [*head, *self.thickness[: len(nodes)]], self.form)
 
 
-def attributes(card: Card) -> Attributes:
-    """Attributes of a linear shell card."""
+def attributes(card: Card, pressures: Sequence[Pressure] = ()) -> Attributes:
+    """Attributes of a linear shell card and the loads on the shell."""
     corners = CORNERS[card.name]
     thickness = [card.field(i) for i in range(10, 10 + corners)]
     if corners == 3:
@@ -67,15 +93,5 @@ def attributes(card: Card) -> Attributes:
         tflag=card.field(9),
         thickness=(thickness[0], thickness[1], thickness[2], thickness[3]),
         form=card.form,
+        pressures=tuple(pressures),
     )
-
-
-def _value(text: str, zero: str = "0.0") -> str:
-    """Texts of one value made equal; an integer stays one, since MCID 0 is not THETA 0."""
-    if not text or text.isdecimal():
-        return text
-    try:
-        value = real(text)
-    except ValueError:
-        return text.upper()
-    return repr(value) if value else zero

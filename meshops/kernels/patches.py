@@ -46,36 +46,144 @@ def label_components(
 
 
 @compiled
+def _walk(
+    element_edges: Ints,
+    edge_elements: Ints,
+    crossable: Bools,
+    allowed: Bools,
+    rings: Ints,
+    queue: Ints,
+    tail: int,
+    most: int,
+) -> int:
+    """Number the elements around those in the queue by breadth; the new end of the queue.
+
+    Only elements that are allowed and have ``FAR`` are visited, up to ring `most`.
+    """
+    head = 0
+    while head < tail:
+        element = queue[head]
+        head += 1
+        if rings[element] >= most:
+            break
+        for side in range(4):
+            edge = element_edges[element, side]
+            if edge < 0 or not crossable[edge]:
+                continue
+            other = edge_elements[edge, 0] + edge_elements[edge, 1] - element
+            if rings[other] == FAR and allowed[other]:
+                rings[other] = rings[element] + 1
+                queue[tail] = other
+                tail += 1
+    return tail
+
+
+@compiled
 def rings_around(
-    element_edges: Ints, edge_elements: Ints, crossable: Bools, centres: Ints
+    element_edges: Ints, edge_elements: Ints, crossable: Bools, allowed: Bools, centres: Ints
 ) -> Ints:
     """(M,) int32: crossable edges from each element to the nearest of the centres.
 
-    ``FAR`` where there is no way.
+    ``FAR`` where there is no way through allowed elements.
     """
-    m = len(element_edges)
-    rings = np.full(m, FAR, np.int32)
-    queue = np.empty(m, np.int32)
+    rings = np.full(len(element_edges), FAR, np.int32)
+    queue = np.empty(len(element_edges), np.int32)
     tail = 0
     for centre in centres:
         if rings[centre] == FAR:
             rings[centre] = 0
             queue[tail] = centre
             tail += 1
-    head = 0
-    while head < tail:
-        element = queue[head]
-        head += 1
+    _walk(element_edges, edge_elements, crossable, allowed, rings, queue, tail, FAR)
+    return rings
+
+
+@compiled
+def nearby(
+    element_edges: Ints,
+    edge_elements: Ints,
+    crossable: Bools,
+    allowed: Bools,
+    centre: int,
+    shift: int,
+) -> int:
+    """Row of the element that is visited as number `shift` from a centre; 0 is the centre itself.
+
+    The last one where there are not so many.
+    """
+    rings = np.full(len(element_edges), FAR, np.int32)
+    queue = np.empty(len(element_edges), np.int32)
+    rings[centre] = 0
+    queue[0] = centre
+    most = 0
+    tail = 1
+    while tail <= shift and most < 64:
+        rings[:] = FAR
+        rings[centre] = 0
+        most += 2
+        tail = _walk(element_edges, edge_elements, crossable, allowed, rings, queue, 1, most)
+    found: int = queue[min(shift, tail - 1)]
+    return found
+
+
+@compiled
+def disc(
+    element_edges: Ints,
+    edge_elements: Ints,
+    crossable: Bools,
+    allowed: Bools,
+    centre: int,
+    most: int,
+) -> Bools:
+    """(M,) bool: allowed elements across at most `most` crossable edges from a centre."""
+    rings = np.full(len(element_edges), FAR, np.int32)
+    queue = np.empty(len(element_edges), np.int32)
+    rings[centre] = 0
+    queue[0] = centre
+    _walk(element_edges, edge_elements, crossable, allowed, rings, queue, 1, most)
+    return rings < FAR
+
+
+@compiled
+def strip(
+    element_edges: Ints,
+    edge_elements: Ints,
+    crossable: Bools,
+    allowed: Bools,
+    first: int,
+    last: int,
+    most: int,
+) -> Bools:
+    """(M,) bool: elements within `most` crossable edges from the shortest way between two.
+
+    A disc around the first where there is no way.
+    """
+    rings = np.full(len(element_edges), FAR, np.int32)
+    queue = np.empty(len(element_edges), np.int32)
+    rings[last] = 0
+    queue[0] = last
+    _walk(element_edges, edge_elements, crossable, allowed, rings, queue, 1, FAR)
+    way = np.empty(len(element_edges), np.int32)
+    way[0] = first
+    steps = 1
+    element = first
+    while rings[first] < FAR and rings[element] > 0:
         for side in range(4):
             edge = element_edges[element, side]
             if edge < 0 or not crossable[edge]:
                 continue
             other = edge_elements[edge, 0] + edge_elements[edge, 1] - element
-            if rings[other] == FAR:
-                rings[other] = rings[element] + 1
-                queue[tail] = other
-                tail += 1
-    return rings
+            if rings[other] < rings[element]:
+                element = other
+                break
+        way[steps] = element
+        steps += 1
+    rings[:] = FAR
+    for i in range(steps):
+        queue[i] = way[i]
+        rings[way[i]] = 0
+    _walk(element_edges, edge_elements, crossable, allowed, rings, queue, steps, most)
+    return rings < FAR
 
 
 @compiled

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshops.kernels.vectors import compiled
+from meshops.kernels.vectors import area_vector, compiled, length
 from meshops.mesh import Floats, Ints
 
 
@@ -108,3 +108,37 @@ def nearest(
         distance[q] = reach
         guess = tria[q]
     return found, distance, tria
+
+
+@compiled
+def plane_of(points: Floats, trias: Ints, tolerance: float) -> tuple[Floats, float, Floats, bool]:
+    """Sum of the area vectors of trias, sum of their areas, unit normal, and whether it is plane.
+
+    Plane: all points are nearer to one plane than `tolerance` times their extent, and all trias
+    look the same way.
+    """
+    total = np.zeros(3)
+    area = 0.0
+    for t in range(len(trias)):
+        v = area_vector(points, trias[t, 0], trias[t, 1], trias[t, 2], -1)
+        for k in range(3):
+            total[k] += v[k]
+        area += length(v)
+    size = np.sqrt((total * total).sum())
+    if size <= 0.0:
+        return total, area, total, False
+    normal = total / size
+    extent = 0.0
+    for k in range(3):
+        extent = max(extent, points[:, k].max() - points[:, k].min())
+    for n in range(len(points)):
+        offset = 0.0
+        for k in range(3):
+            offset += (points[n, k] - points[0, k]) * normal[k]
+        if abs(offset) > tolerance * extent:
+            return total, area, normal, False
+    for t in range(len(trias)):
+        v = area_vector(points, trias[t, 0], trias[t, 1], trias[t, 2], -1)
+        if v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2] <= 0.0:
+            return total, area, normal, False
+    return total, area, normal, True

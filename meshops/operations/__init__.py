@@ -2,28 +2,53 @@
 
 from __future__ import annotations
 
+from meshops.operations.collapse_chord import CollapseChord
+from meshops.operations.collapse_diagonal import CollapseDiagonal
+from meshops.operations.join_trias import JoinTrias
+from meshops.operations.open_diagonal import OpenDiagonal
 from meshops.operations.protocol import Operation, SearchSpace
 from meshops.operations.remesh import Remesh
-from meshops.operations.replace_node import ReplaceNode
+from meshops.operations.remesh_ranges import RemeshRanges
+from meshops.operations.remove_doublet import RemoveDoublet
+from meshops.operations.replace_chain import ReplaceChain
+from meshops.operations.replace_node import ReplaceNode, ReplaceNodePairs
+from meshops.operations.smooth import Smooth
+from meshops.operations.swap_edge import SwapEdge
+from meshops.operations.transport_tria import TransportTria
 
 NOTHING = 2
-"""The gene of "do nothing" (section 3.3)."""
+"""The gene of "do nothing" (section 3.3); 0 and 1 are Remesh and ReplaceNode as there."""
 
-PAPER_OPERATIONS: tuple[Operation, ...] = (
-    Remesh(ranges=5, reach=None),
-    ReplaceNode(optional=False),
-)
+PAPER_OPERATIONS: tuple[Operation, ...] = (RemeshRanges(), ReplaceNodePairs())
 """Remesh and ReplaceNode as the paper has them."""
 
-OPERATIONS: tuple[Operation, ...] = (Remesh(), ReplaceNode())
-"""The same two, which keep only what makes the mesh fitter."""
+OPERATIONS: tuple[Operation, ...] = (
+    SwapEdge(),
+    JoinTrias(),
+    TransportTria(),
+    CollapseDiagonal(),
+    OpenDiagonal(),
+    RemoveDoublet(),
+    CollapseChord(),
+    Smooth(),
+    ReplaceChain(),
+    Remesh(),
+    ReplaceNode(),
+)
+"""Those that a default run chooses from."""
+
+ALL_OPERATIONS: tuple[Operation, ...] = (*OPERATIONS, *PAPER_OPERATIONS)
+"""Those that a procedure can name."""
 
 __all__ = [
+    "ALL_OPERATIONS",
     "NOTHING",
     "OPERATIONS",
     "PAPER_OPERATIONS",
     "Operation",
     "Remesh",
+    "RemeshRanges",
     "ReplaceNode",
+    "ReplaceNodePairs",
     "SearchSpace",
 ]

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self, TypeVar
 
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.mesh import Floats, Ints
+from meshops.mesh import Bools, Floats, Ints
+
+Values = TypeVar("Values", Ints, Floats)
+
+CandidateArrays = tuple[Ints, Ints, Ints, Ints, Ints, Floats, Ints, Ints, Floats]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +43,76 @@ class Candidates:
     moved: Ints
     moved_to: Floats
 
+    @classmethod
+    def padded(
+        cls,
+        removed: Ints,
+        added: Ints,
+        points: Floats | None = None,
+        moved: Ints | None = None,
+        moved_to: Floats | None = None,
+    ) -> Self:
+        """Make candidates of arrays with the same number of places for each of them.
+
+        Parameters
+        ----------
+        removed : (K, R) int32
+            -1 where a place is empty.
+        added : (K, B, 4) int32
+            The first node is -1 where a place is empty.
+        points : (K, A, 3) float64
+            NaN where a place is empty; only the last ones of a candidate may be.
+        moved, moved_to : (K, D) int32, (K, D, 3) float64
+            -1 where a place is empty.
+        """
+        count = len(removed)
+        points = np.zeros((count, 0, 3)) if points is None else points
+        moved = np.zeros((count, 0), np.int32) if moved is None else moved
+        moved_to = np.zeros((*moved.shape, 3)) if moved_to is None else moved_to
+        has_point = ~np.isnan(points[:, :, 0])
+        return cls(
+            *_packed(removed, removed >= 0),
+            *_packed(added, added[:, :, 0] >= 0),
+            *_packed(points, has_point),
+            *_packed(moved, moved >= 0),
+            _packed(moved_to, moved >= 0)[1],
+        )
+
     def __len__(self) -> int:
         return len(self.removed_start) - 1
+
+    @property
+    def arrays(self) -> CandidateArrays:
+        """All arrays, in the order of the attributes: the first arguments of the kernels."""
+        return (
+            self.removed_start,
+            self.removed,
+            self.added_start,
+            self.added,
+            self.point_start,
+            self.points,
+            self.moved_start,
+            self.moved,
+            self.moved_to,
+        )
+
+    def take(self, rows: Ints) -> Candidates:
+        """Only some of the candidates, in the order of `rows`."""
+        removed_start, removed = _rows_of(self.removed_start, rows)
+        added_start, added = _rows_of(self.added_start, rows)
+        point_start, points = _rows_of(self.point_start, rows)
+        moved_start, moved = _rows_of(self.moved_start, rows)
+        return Candidates(
+            removed_start,
+            self.removed[removed],
+            added_start,
+            self.added[added],
+            point_start,
+            self.points[points],
+            moved_start,
+            self.moved[moved],
+            self.moved_to[moved],
+        )
 
     def edit(self, k: int, region: Ints) -> Edit:
         """Return candidate k as an Edit; `region` (M,) is that of the mesh's elements."""
@@ -54,3 +127,22 @@ class Candidates:
             moved=self.moved[moved],
             moved_to=self.moved_to[moved],
         )
+
+
+def _starts(counts: Ints) -> Ints:
+    start = np.zeros(len(counts) + 1, np.int32)
+    np.cumsum(counts, out=start[1:])
+    return start
+
+
+def _packed(values: Values, used: Bools) -> tuple[Ints, Values]:
+    """Leave out the places that are not used."""
+    return _starts(np.count_nonzero(used, axis=1)), values[used]
+
+
+def _rows_of(start: Ints, rows: Ints) -> tuple[Ints, Ints]:
+    """Where candidates `rows` will start, and the entries that they have now."""
+    counts = start[rows + 1] - start[rows]
+    starts = _starts(counts)
+    shift = np.repeat(start[rows] - starts[:-1], counts)
+    return starts, np.arange(starts[-1], dtype=np.int32) + shift

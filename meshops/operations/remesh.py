@@ -1,4 +1,4 @@
-"""Remesh: mesh the selected elements anew within their border (the paper's section 3.1)."""
+"""Remesh: mesh a disc or a strip around a bad place anew, by one of several methods."""
 
 from __future__ import annotations
 
@@ -7,218 +7,123 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.pairing import (
-    match_completely,
-    match_greedily,
-    merge_pairs,
-    pair_shapes,
-    split_quads,
-    tria_neighbours,
-)
+from meshops.kernels.patches import disc, nearby, strip
 from meshops.kernels.quality import TALLY_SIZE
-from meshops.kernels.selection import select_ranges
-from meshops.kernels.smoothing import smooth
-from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
-from meshops.mesh import Floats, Ids, Ints
-from meshops.patch import Patch, components, extract, join, stitch
-from meshops.remesher import RemeshError, remesh_isotropic
-from meshops.surface import PatchSurface
+from meshops.methods import METHODS
+from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.patch import components, join
+from meshops.remeshing import replace_patch
 from meshops.workpiece import Workpiece
 
-TRIA_OF_QUAD = 1.07
-"""Edge of a regular tria of half a square's area, over the square's edge: (4 / 3) ** (1 / 4)."""
+SIZES = (1.0, 0.9, 1.1, 0.8, 1.25)
+"""Edge length of the new elements, over that of the run or of the patch."""
 
-GOOD_PAIR = 0.5
-"""Quads below this shape are formed only where a tria would stay alone otherwise."""
+MOST_RINGS = 7
 
-LEAST_PAIR = 0.05
-"""Quads below this shape are not formed: no smoothing mends a flat corner on a fixed border."""
+SHIFTS = 12
+"""Elements near the bad one that a disc may be centred on."""
 
-SMOOTHING_SWEEPS = 6
-
-LEAST_CORNER = 0.05
-"""`corner_jacobian_min` from which an element counts as sound: neither concave nor nearly flat."""
-
-SURFACE_TOLERANCE = 0.1
-"""Of the edge length: how far a new element's centre may be from the old surface, and an old node
-from the new one. It is the level at which the chordal deviation of the standard criteria fails."""
 
 
 @dataclass(frozen=True)
 class Remesh:
-    """Cut out, remesh, recombine to quads, smooth, project back, stitch in.
+    """Cut a place out, mesh it anew, recombine to quads, smooth, project back, stitch in.
 
-    Attributes
-    ----------
-    ranges : int
-        How many ranges of element numbers a genome selects; it has twice as many genes.
-    reach : int or None
-        None: the two genes of a range are its ends, anywhere on the mesh, and all that they select
-        is replaced, as in the paper. A number: the genes are an element that fails or is a tria,
-        and how many elements, up to the reach, are selected around its number; a patch is replaced
-        only where that makes the mesh fitter.
+    A genome is one place: the rank of a bad element; which element near it is the centre; how many
+    rings around that belong to the place; the rank of another bad element to which a strip of that
+    width leads (0: none, a disc); the size step; the method.
     """
 
-    ranges: int = 20
-    reach: int | None = 100
     name: str = "remesh"
-    code: int = 0
+    code: int = 22
 
     def search_space(self, workpiece: Workpiece, rng: np.random.Generator) -> RemeshSpace | None:
-        """Genomes are ranges; the random generator is not needed."""
+        """Genomes are places; the random generator is not needed."""
         if not workpiece.topology.editable.any():
             return None
-        return RemeshSpace(self, workpiece)
+        return RemeshSpace(workpiece)
 
     def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
-        """Remesh the union of ranges (K, 2) of element numbers from 1."""
-        count = len(workpiece.mesh.elements)
-        if len(parameters) and (parameters.min() < 1 or parameters.max() > count):
-            raise ValueError(f"element numbers must be from 1 to {count}")
-        edits = [replace_patch(workpiece, rows) for rows in select(workpiece, parameters)]
-        return join(workpiece.mesh, [edit for edit, _ in edits if not edit.is_empty])
+        """Remesh places (K, 6); a rank that the mesh does not have is left out."""
+        edits = []
+        for place in parameters:
+            edits = [edit for edit, _ in remesh_place(workpiece, place) if not edit.is_empty]
+        return join(workpiece.mesh, edits)
 
     def format(self, parameters: Ints) -> str:
-        """Ranges as in Figure 10: ``33-301 317-243``."""
-        return " ".join(f"{low}-{high}" for low, high in parameters)
+        """Places as ``3+2 r4 100% front``: rank and shift, rings, size; ``3-5`` for a strip."""
+        return " ".join(
+            f"{rank}{f'-{other}' if other else ''}{f'+{shift}' if shift else ''} r{rings} "
+            f"{100 * SIZES[size]:.0f}% {METHODS[method].name}"
+            for rank, shift, rings, other, size, method in parameters
+        )
 
 
 class RemeshSpace:
-    """Ranges of element numbers on one mesh. A patch that was remeshed once is remembered."""
+    """Places on one mesh. A place that was remeshed once is remembered."""
 
-    def __init__(self, operation: Remesh, workpiece: Workpiece) -> None:
-        self.operation = operation
+    def __init__(self, workpiece: Workpiece) -> None:
         self.workpiece = workpiece
         self._changes: dict[bytes, Floats | None] = {}
-        count = len(workpiece.mesh.elements)
-        if operation.reach is None:
-            self._sites: Ints = np.arange(count, dtype=np.int32)
-            bounds = [count, count]
-        else:
-            self._sites = workpiece.bad_elements
-            bounds = [len(self._sites), min(operation.reach, count)]
-        self.bounds: Ids = np.tile(np.array(bounds, np.int64), operation.ranges)
+        bad = len(workpiece.bad_elements)
+        self.bounds: Ids = np.array(
+            [bad, SHIFTS, MOST_RINGS, bad + 1, len(SIZES), len(METHODS)], np.int64
+        )
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
-        """Numbers drawn evenly (section 4.1)."""
-        return rng.integers(0, self.bounds, (count, len(self.bounds)))
+        """Places near the worst elements more often than others, half of them discs."""
+        genomes = rng.integers(0, self.bounds, (count, len(self.bounds)))
+        genomes[:, 0] = (self.bounds[0] * rng.random(count) ** 2).astype(np.int64)
+        genomes[rng.random(count) < 0.5, 3] = 0
+        genomes[rng.random(count) < 0.5, 4] = 0
+        return genomes
 
     def parameters(self, genome: Ids) -> Ints:
-        """(K, 2) ranges, numbered from 1; with a reach, of just the elements that are replaced."""
-        ranges = self._ranges(genome)
-        if self.operation.reach is None:
-            return ranges
-        replaced = [
-            rows for rows in select(self.workpiece, ranges) if self._change(rows) is not None
-        ]
-        return runs(np.concatenate(replaced)) if replaced else ranges[:0]
+        """(1, 6) int32: the place, its ranks from 1; no row where it cannot be remeshed."""
+        place = (genome + np.array([1, 0, 1, 0, 0, 0])).astype(np.int32)[None]
+        return place if self._change(genome) is not None else place[:0]
 
     def evaluate(self, genomes: Ids) -> Floats:
-        """Remesh the patches of each genome."""
+        """Remesh the place of each genome."""
         return np.stack([self.tally(genome) for genome in genomes])
 
     def tally(self, genome: Ids) -> Floats:
-        """Add up what the patches of one genome change."""
-        tally = self.workpiece.tally
-        for rows in select(self.workpiece, self._ranges(genome)):
-            change = self._change(rows)
-            if change is not None:
-                tally = tally + change
-        return tally
+        """Tally after remeshing one place; NaN where no valid mesh comes out."""
+        change = self._change(genome)
+        return np.full(TALLY_SIZE, np.nan) if change is None else self.workpiece.tally + change
 
-    def _ranges(self, genome: Ids) -> Ints:
-        first, second = genome.reshape(-1, 2).T
-        if self.operation.reach is None:
-            return np.column_stack([first, second]).astype(np.int32) + np.int32(1)
-        last = len(self.workpiece.mesh.elements) - 1
-        centre = self._sites[first]
-        low, high = centre - second // 2, centre + (second + 1) // 2
-        ranges: Ints = np.column_stack([low, high]).clip(0, last).astype(np.int32) + np.int32(1)
-        return ranges
-
-    def _change(self, rows: Ints) -> Floats | None:
-        """Find what remeshing a patch adds to the tally; None where the patch stays."""
-        key = rows.tobytes()
+    def _change(self, genome: Ids) -> Floats | None:
+        key = genome.tobytes()
         if key not in self._changes:
-            edit, change = replace_patch(self.workpiece, rows)
-            keep = not edit.is_empty and (
-                self.operation.reach is None or self.workpiece.is_fitter_by(change)
-            )
-            self._changes[key] = change if keep else None
+            place = (genome + np.array([1, 0, 1, 0, 0, 0])).astype(np.int32)
+            done = [
+                change for edit, change in remesh_place(self.workpiece, place) if not edit.is_empty
+            ]
+            self._changes[key] = np.sum(done, axis=0) if done else None
         return self._changes[key]
 
 
-def select(workpiece: Workpiece, ranges: Ints) -> list[Ints]:
-    """Split the union of ranges (K, 2) of numbers from 1 into patches: lists of element rows."""
-    topology = workpiece.topology
-    return components(topology, select_ranges(ranges, len(topology.mesh.elements)))
+def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]:
+    """Remesh all patches of one place (6,): their edits and changes of the tally."""
+    *_, size, method = place
+    if not (0 <= size < len(SIZES) and 0 <= method < len(METHODS)):
+        raise ValueError(f"a place to remesh has no size {size} or method {method}")
+    return [
+        replace_patch(workpiece, rows, method=METHODS[method].remesh, scale=SIZES[size])
+        for rows in components(workpiece.topology, select(workpiece, place))
+    ]
 
 
-def runs(rows: Ints) -> Ints:
-    """(K, 2) ranges of numbers from 1 that cover just these rows."""
-    rows = np.sort(rows)
-    breaks = np.nonzero(np.diff(rows) > 1)[0]
-    first = rows[np.concatenate([[0], breaks + 1])]
-    last = rows[np.concatenate([breaks, [len(rows) - 1]])]
-    return np.column_stack([first, last]) + np.int32(1)
-
-
-def replace_patch(workpiece: Workpiece, rows: Ints) -> tuple[Edit, Floats]:
-    """Remesh one patch; the edit, empty where that fails, and its change of the tally."""
-    patch = extract(workpiece.topology, rows)
-    anew = remesh_patch(patch, workpiece.setting.element_size) if len(rows) > 1 else None
-    if anew is None:
-        return Edit(), np.zeros(TALLY_SIZE)
-    points, elements = anew
-    change = workpiece.tally_of(points, elements) - workpiece.tally_of(patch.points, patch.elements)
-    return stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements), change
-
-
-def remesh_patch(patch: Patch, size: float | None) -> tuple[Floats, Ints] | None:
-    """Mesh a patch anew with quads, its border kept.
-
-    Parameters
-    ----------
-    patch : Patch
-    size : float or None
-        Edge length of the quads; None takes that of the patch as it is.
-
-    Returns
-    -------
-    (points, elements), border nodes first at the rows that they have in the patch; None where no
-    valid mesh came out.
-    """
-    surface = PatchSurface.of(patch.points, patch.elements)
-    edge = surface.mean_edge(patch) if size is None else size
-    try:
-        points, trias = remesh_isotropic(
-            patch.points, surface.trias, patch.border, TRIA_OF_QUAD * edge
-        )
-    except RemeshError:
-        return None
-    elements = recombine(points, trias)
-    smooth(points, elements, patch.border_nodes, SMOOTHING_SWEEPS)
-    surface.project(points, patch.border_nodes)
-    sound = sound_elements(points, elements, LEAST_CORNER)
-    if not sound.all():
-        elements = split_quads(points, elements, ~sound)
-        if not sound_elements(points, elements, LEAST_CORNER).all():
-            return None
-    normals = surface.normals_at(points, elements, SURFACE_TOLERANCE * edge)
-    if normals is None or not all_facing(points, elements, normals):
-        return None
-    if has_doubles(elements, len(points)):
-        return None
-    if not surface.is_covered(patch, points, elements, SURFACE_TOLERANCE * edge):
-        return None
-    return points, elements
-
-
-def recombine(points: Floats, trias: Ints) -> Ints:
-    """Pair trias (T, 3) to quads, as many as can be and good ones first; (M, 4) elements."""
-    neighbours = tria_neighbours(trias, len(points))
-    shapes = pair_shapes(points, trias, neighbours)
-    allowed = np.where(shapes < LEAST_PAIR, np.int32(-1), neighbours)
-    mate = match_completely(allowed, shapes, match_greedily(allowed, shapes, GOOD_PAIR))
-    elements: Ints = merge_pairs(trias, neighbours, mate)
-    return elements
+def select(workpiece: Workpiece, place: Ints) -> Bools:
+    """(M,) bool: the elements of a place (6,); none where it names a rank that is not there."""
+    rank, shift, rings, other = place[:4]
+    topology, bad = workpiece.topology, workpiece.bad_elements
+    ways = (topology.element_edges, topology.edge_elements, topology.crossable, topology.editable)
+    if not (1 <= rank <= len(bad) and 0 <= other <= len(bad)):
+        return np.zeros(len(workpiece.mesh.elements), bool)
+    centre = bad[rank - 1]
+    if other == 0:
+        chosen: Bools = disc(*ways, nearby(*ways, centre, shift), rings)
+    else:
+        chosen = strip(*ways, centre, bad[other - 1], rings)
+    return chosen

@@ -8,6 +8,7 @@ import numpy as np
 
 from meshops.edit import Edit
 from meshops.kernels.merging import evaluate_merges, rewire
+from meshops.kernels.patches import FAR
 from meshops.kernels.quality import CRITERIA, ELEMENTS, compound_indices, measure_elements
 from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
@@ -22,26 +23,23 @@ STRAIGHT = 1e-6
 
 
 @dataclass(frozen=True)
-class ReplaceNode:
-    """Merge pairs of adjacent nodes at the second one or half-way between them.
+class ReplaceNodePairs:
+    """Merge pairs of adjacent nodes at the second one or half-way between them, as in the paper.
 
     A node moves or vanishes only where that changes neither border nor region nor feature: inside
-    a zone, or along a straight border.
+    a zone, or along a straight border. Every gene is a pair; parameters are node numbers.
 
     Attributes
     ----------
     pairs : int
-        How many pairs a genome merges at the most.
+        How many pairs a genome merges.
     pool : int
         How many pairs are drawn before the first individual.
-    optional : bool
-        Whether a gene may also stand for no pair. In the paper every gene is a pair.
     """
 
     pairs: int = 10
     pool: int = 100
-    optional: bool = True
-    name: str = "replace-node"
+    name: str = "replace-node-pairs"
     code: int = 1
 
     def search_space(
@@ -56,15 +54,10 @@ class ReplaceNode:
         if not len(candidates):
             return None
         drawn = rng.permutation(len(candidates))[: CANDIDATES * self.pool]
-        space = ReplaceNodeSpace(self, workpiece, candidates[drawn], on_border[drawn])
-        alone = space.tallies(np.arange(len(drawn), dtype=np.int64)[:, None])
-        index = compound_indices(alone, *workpiece.setting.scoring.arrays)
-        valid = np.isfinite(alone[:, ELEMENTS])
-        order = np.argsort(np.where(valid, index, np.inf), kind="stable")
-        kept = order[: min(self.pool, np.count_nonzero(valid))]
-        if len(kept) < (1 if self.optional else self.pairs):
+        kept = drawn[least_harmful(workpiece, candidates[drawn], on_border[drawn], self.pool)]
+        if len(kept) < self.pairs:
             return None
-        return ReplaceNodeSpace(self, workpiece, candidates[drawn[kept]], on_border[drawn[kept]])
+        return ReplaceNodeSpace(workpiece, self.pairs, candidates[kept], on_border[kept])
 
     def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
         """Merge pairs (K, 3): numbers of the nodes from 1, and whether they meet half-way."""
@@ -73,35 +66,71 @@ class ReplaceNode:
             return Edit()
         if parameters[:, :2].min() < 1 or parameters[:, :2].max() > count:
             raise ValueError(f"node numbers must be from 1 to {count}")
-        pool = parameters - np.array([1, 1, 0], np.int32)
+        wanted = parameters - np.array([1, 1, 0], np.int32)
         candidates, borders = mergeable_pairs(workpiece.topology)
-        known = {tuple(pair): bool(b) for pair, b in zip(candidates.tolist(), borders, strict=True)}
-        if not all(tuple(pair) in known for pair in pool.tolist()):
+        matches = (candidates[None] == wanted[:, None]).all(axis=2)
+        if not matches.any(axis=1).all():
             raise ValueError("a pair of nodes cannot be merged on this mesh")
-        on_border = np.array([known[tuple(pair)] for pair in pool.tolist()])
-        space = ReplaceNodeSpace(self, workpiece, pool, on_border)
-        if not np.isfinite(space.tallies(np.arange(len(pool), dtype=np.int64)[None, :])).all():
-            return Edit()
-        return merge(workpiece, pool)
+        return merge_if_valid(workpiece, wanted, borders[matches.argmax(axis=1)])
 
     def format(self, parameters: Ints) -> str:
         """Pairs as in Figure 10, ``242,243``; ``242~243`` where they meet half-way."""
         return " ".join(f"{a}{'~' if half_way else ','}{b}" for a, b, half_way in parameters)
 
 
+@dataclass(frozen=True)
+class ReplaceNode:
+    """Merge pairs of adjacent nodes near the worst places.
+
+    A pair is named by its rank among all that may be merged, those nearest to a bad element first,
+    and a gene may also stand for no pair.
+
+    Attributes
+    ----------
+    pairs : int
+        How many pairs a genome merges at the most.
+    pool : int
+        How many pairs there are to choose from.
+    """
+
+    pairs: int = 4
+    pool: int = 100
+    name: str = "replace-node"
+    code: int = 23
+
+    def search_space(
+        self, workpiece: Workpiece, rng: np.random.Generator
+    ) -> RankedReplaceNodeSpace | None:
+        """Take the pairs that do the least harm of those nearest to the bad elements."""
+        candidates, on_border = ranked_pairs(workpiece)
+        nearest = slice(0, CANDIDATES * self.pool)
+        kept = least_harmful(workpiece, candidates[nearest], on_border[nearest], self.pool)
+        if not len(kept):
+            return None
+        return RankedReplaceNodeSpace(
+            workpiece, self.pairs, candidates[kept], on_border[kept], kept.astype(np.int32)
+        )
+
+    def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
+        """Merge pairs by their ranks from 1, (K, 2); a rank that is not there is left out."""
+        candidates, on_border = ranked_pairs(workpiece)
+        rows = parameters[:, 0] - 1
+        rows = rows[(rows >= 0) & (rows < len(candidates))]
+        return merge_if_valid(workpiece, candidates[rows], on_border[rows])
+
+    def format(self, parameters: Ints) -> str:
+        """Ranks: ``3 17``."""
+        return " ".join(str(rank) for rank, _ in parameters)
+
+
 class ReplaceNodeSpace:
     """Choices out of a pool of pairs on one mesh."""
 
-    def __init__(
-        self, operation: ReplaceNode, workpiece: Workpiece, pool: Ints, on_border: Bools
-    ) -> None:
-        self.operation = operation
+    def __init__(self, workpiece: Workpiece, pairs: int, pool: Ints, on_border: Bools) -> None:
         self.workpiece = workpiece
         self.pool = pool
         self.on_border = on_border
-        size = len(pool)
-        bound = 2 * size if operation.optional else size
-        self.bounds: Ids = np.full(operation.pairs, bound, np.int64)
+        self.bounds: Ids = np.full(pairs, len(pool), np.int64)
         mesh = workpiece.mesh
         values = np.empty((len(mesh.elements), CRITERIA))
         scoring = workpiece.setting.scoring.arrays
@@ -110,16 +139,13 @@ class ReplaceNodeSpace:
         self._of_elements = (element_normals(mesh), values)
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
-        """Pairs of the pool; without repetition in an individual where each gene is a pair."""
-        if self.operation.optional:
-            return rng.integers(0, self.bounds, (count, len(self.bounds)))
+        """Pairs of the pool, without repetition in an individual."""
         ranks = rng.random((count, len(self.pool))).argsort(axis=1)
         return ranks[:, : len(self.bounds)].astype(np.int64)
 
     def parameters(self, genome: Ids) -> Ints:
         """(K, 3): node numbers from 1, and whether they meet half-way."""
-        chosen = genome[genome < len(self.pool)]
-        return self.pool[chosen] + np.array([1, 1, 0], np.int32)
+        return self.pool[genome] + np.array([1, 1, 0], np.int32)
 
     def evaluate(self, genomes: Ids) -> Floats:
         """Merge the pairs of each genome at once; pairs that overlap make no mesh (section 3.1)."""
@@ -149,6 +175,48 @@ class ReplaceNodeSpace:
             penalties,
             normalised,
         )
+
+
+class RankedReplaceNodeSpace(ReplaceNodeSpace):
+    """The same with pairs that have ranks, and genes that may stand for no pair."""
+
+    def __init__(
+        self, workpiece: Workpiece, pairs: int, pool: Ints, on_border: Bools, ranks: Ints
+    ) -> None:
+        super().__init__(workpiece, pairs, pool, on_border)
+        self.ranks = ranks
+        self.bounds = np.full(pairs, 2 * len(pool), np.int64)
+
+    def draw(self, rng: np.random.Generator, count: int) -> Ids:
+        """Half of the genes, on the average, are pairs."""
+        return rng.integers(0, self.bounds, (count, len(self.bounds)))
+
+    def parameters(self, genome: Ids) -> Ints:
+        """(K, 2): ranks from 1, and 0."""
+        chosen = self.ranks[genome[genome < len(self.pool)]] + np.int32(1)
+        return np.column_stack([chosen, np.zeros(len(chosen), np.int32)])
+
+
+def least_harmful(workpiece: Workpiece, pairs: Ints, on_border: Bools, most: int) -> Ids:
+    """Rows of the pairs whose merging alone leaves the lowest compound Q.I., at most so many."""
+    if not len(pairs):
+        return np.zeros(0, np.int64)
+    space = ReplaceNodeSpace(workpiece, 1, pairs, on_border)
+    alone = space.tallies(np.arange(len(pairs), dtype=np.int64)[:, None])
+    index = compound_indices(alone, *workpiece.setting.scoring.arrays)
+    valid = np.isfinite(alone[:, ELEMENTS])
+    order = np.argsort(np.where(valid, index, np.inf), kind="stable")
+    return order[: min(most, np.count_nonzero(valid))]
+
+
+def ranked_pairs(workpiece: Workpiece) -> tuple[Ints, Bools]:
+    """All pairs that may be merged, those nearest to a bad element first, and their borders."""
+    pairs, on_border = mergeable_pairs(workpiece.topology)
+    mesh = workpiece.mesh
+    distance = np.full(len(mesh.points) + 1, FAR, np.int32)
+    np.minimum.at(distance, mesh.elements, workpiece.rings[:, None])
+    order = np.argsort(distance[pairs[:, 0]], kind="stable")
+    return pairs[order], on_border[order]
 
 
 def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:
@@ -206,6 +274,16 @@ def straight_border_nodes(topology: Topology) -> Bools:
     straight = np.zeros(len(mesh.points), bool)
     straight[nodes[in_line]] = True
     return straight
+
+
+def merge_if_valid(workpiece: Workpiece, pool: Ints, on_border: Bools) -> Edit:
+    """Merge pairs (K, 3) of node rows all at once; empty where that leaves no valid mesh."""
+    if not len(pool):
+        return Edit()
+    space = ReplaceNodeSpace(workpiece, len(pool), pool, on_border)
+    if not np.isfinite(space.tallies(np.arange(len(pool), dtype=np.int64)[None, :])).all():
+        return Edit()
+    return merge(workpiece, pool)
 
 
 def merge(workpiece: Workpiece, pool: Ints) -> Edit:

@@ -1,0 +1,106 @@
+"""The whole mesh as one place, as in the paper: one procedure, or one operation GA alone."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
+from islands.config import Config
+from islands.integration_ga import Problem, Work
+from islands.island import IslandState
+from islands.operation_ga import generations
+from islands.procedure import Place, Round, Step, perform_steps
+from islands.reporter import Reporter
+from islands.rounds import Evolution
+from meshops.mesh import ShellMesh
+from meshops.workpiece import Workpiece
+from tracking.events import Event
+
+
+def evolve_whole(
+    problem: Problem,
+    mesh: ShellMesh,
+    schedule: Schedule,
+    executor: Executor,
+    record: Callable[[Event], None],
+    started: float,
+) -> Evolution:
+    """Evolve one procedure for the whole mesh."""
+    work = Work(problem, mesh)
+    reporter = _reporter(work, record, started)
+    result = evolve_archipelago([work], schedule, executor, reporter.watch, reporter.post)
+    return _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
+
+
+def evolve_alone(
+    problem: Problem,
+    mesh: ShellMesh,
+    config: Config,
+    record: Callable[[Event], None],
+    started: float,
+) -> Evolution:
+    """Run one operation GA on the mesh, as in the paper's section 4."""
+    operation = next(o for o in problem.operations if o.code == config.operation_code)
+    work = Work(problem, mesh)
+    workpiece = Workpiece(mesh, problem.setting)
+    rng = np.random.default_rng([problem.seed, 0, int(mesh.digest, 16), operation.code, 0])
+    space = operation.search_space(workpiece, rng)
+    steps: tuple[Step, ...] = ()
+    status: Status = "finished"
+    evaluations = 0
+    if space is None:
+        return _evolution(work, steps, evaluations, status)
+    deadline = started + (config.time_limit or np.inf)
+    reporter = _reporter(work, record, started)
+    state = IslandState.first(0, 0)
+    state = replace(state, best_tally=work.root.tally)
+    best = float(workpiece.fitness(work.root.tally[None])[0]) if problem.improving else -np.inf
+    try:
+        for generation in generations(space, workpiece, config.breeding, rng):
+            if generation.best_fitness > best:
+                best = generation.best_fitness
+                steps = (Step(operation.code, space.parameters(generation.best)),)
+                state = replace(state, best_tally=generation.best_tally, best_steps=steps)
+            evaluations = generation.evaluations
+            state = replace(
+                state,
+                generation=generation.number + 1,
+                fitness=generation.fitness,
+                tallies=generation.tallies,
+                best_fitness=best,
+                evaluations=evaluations,
+            )
+            reporter.watch(0, [state])
+            if time.monotonic() >= deadline:
+                status = "time-limit"
+                break
+    except KeyboardInterrupt:
+        status = "interrupted"
+    return _evolution(work, steps, evaluations, status)
+
+
+def _reporter(work: Work, record: Callable[[Event], None], started: float) -> Reporter:
+    return Reporter(
+        record=record,
+        setting=work.problem.setting,
+        operations=work.problem.operations,
+        tally=work.root.tally,
+        roots=work.root.tally[None],
+        generation=0,
+        evaluations=0,
+        started=started,
+    )
+
+
+def _evolution(
+    work: Work, steps: tuple[Step, ...], evaluations: int, status: Status
+) -> Evolution:
+    problem = work.problem
+    x, y, z = work.mesh.points.mean(axis=0).tolist()
+    mesh = perform_steps(work.mesh, steps, problem.operations, problem.setting)
+    rounds = (Round(None, 0, (Place((x, y, z), steps),)),)
+    return Evolution(mesh, rounds, evaluations, status, "")

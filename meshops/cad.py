@@ -1,0 +1,106 @@
+"""Meshing of CAD files by gmsh: the only file that imports it (the extra ``[cad]``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from meshops.errors import InputError
+from meshops.mesh import NO_NODE, ShellMesh
+
+SIZES_ALONG = 40
+"""Edges along the longest side of a part where no size is given."""
+
+PROPERTY = 1
+"""Region of all elements: faces meet at feature edges, which no operation crosses anyhow."""
+
+TRIA, QUAD = 2, 3
+"""Element types of gmsh."""
+
+OPTIONS = {
+    "General.Terminal": 0,
+    "General.NumThreads": 1,
+    "Geometry.OCCSewFaces": 1,
+    "Mesh.Algorithm": 8,  # frontal-Delaunay for quads
+    "Mesh.RecombineAll": 1,
+    "Mesh.RecombinationAlgorithm": 1,  # Blossom
+    "Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0,
+    "Mesh.RandomSeed": 1,
+}
+
+
+def mesh_cad(path: Path, size: float | None = None) -> ShellMesh:
+    """Mesh all faces of a .step or .iges file with quads of an edge length.
+
+    Nodes on an edge are shared by its faces. Without a size, the longest side of the part is
+    divided into ``SIZES_ALONG``.
+
+    Raises
+    ------
+    InputError
+        Where gmsh is not installed, or the file cannot be read or meshed.
+    """
+    if size is not None and not 0.0 < size < np.inf:
+        raise InputError(f"the element size must be a number above 0, not {size:g}.")
+    if not path.is_file():
+        raise InputError(f"{path} is not there: check its name.")
+    with _gmsh() as gmsh:
+        try:
+            gmsh.open(str(path.resolve()))
+            box = np.array(gmsh.model.getBoundingBox(-1, -1)).reshape(2, 3)
+            faces = gmsh.model.getEntities(2)
+        except Exception as error:  # gmsh raises plain Exception
+            raise InputError(f"{path} cannot be read as CAD: {error}.") from error
+        if not faces:
+            raise InputError(f"{path} has no face to mesh: check the file.")
+        edge = float(np.ptp(box, axis=0).max()) / SIZES_ALONG if size is None else size
+        try:
+            gmsh.option.setNumber("Mesh.MeshSizeMin", edge)
+            gmsh.option.setNumber("Mesh.MeshSizeMax", edge)
+            gmsh.model.mesh.generate(2)
+            return _shells(gmsh)
+        except Exception as error:
+            raise InputError(f"{path} cannot be meshed at size {edge:g}: {error}.") from error
+
+
+@contextmanager
+def _gmsh() -> Iterator[Any]:
+    """Open a session of gmsh with our options; it is closed whatever happens."""
+    try:
+        import gmsh
+    except ImportError as error:
+        raise InputError(
+            "CAD files need gmsh: install it by pip install 'meshipelago[cad]'."
+        ) from error
+    # interruptible: gmsh would take the signals that end a run
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        for name, value in OPTIONS.items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
+    finally:
+        gmsh.finalize()
+
+
+def _shells(gmsh: Any) -> ShellMesh:
+    """Take the trias and quads of all faces out of gmsh, nodes in the order of their tags."""
+    tags, places, _ = gmsh.model.mesh.getNodes()
+    blocks = []
+    for kind, corners in ((TRIA, 3), (QUAD, 4)):
+        _, nodes = gmsh.model.mesh.getElementsByType(kind)
+        block = np.full((len(nodes) // corners, 4), NO_NODE, np.int64)
+        block[:, :corners] = np.asarray(nodes, np.int64).reshape(-1, corners)
+        blocks.append(block)
+    elements = np.concatenate(blocks[::-1])
+    if not len(elements):
+        raise InputError("gmsh made no element")
+    used = np.unique(elements[elements != NO_NODE])
+    order = np.argsort(tags)
+    points = places.reshape(-1, 3)[order[np.searchsorted(tags[order], used)]]
+    rows = np.where(elements == NO_NODE, NO_NODE, np.searchsorted(used, elements))
+    return ShellMesh.build(points, rows, region=np.full(len(rows), PROPERTY, np.int32))

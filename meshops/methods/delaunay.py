@@ -1,0 +1,27 @@
+"""Delaunay refinement (Chew 1989, Ruppert 1995) with a border that stays, and Laplace smoothing."""
+
+from __future__ import annotations
+
+from meshops.kernels.refining import fill_area
+from meshops.mesh import Floats, Ints
+from meshops.methods.flatten import FlatPatch
+from meshops.remesher import RemeshError
+
+SWEEPS = 3
+
+
+def remesh_by_delaunay(
+    points: Floats, trias: Ints, border: Ints, size: float
+) -> tuple[Floats, Ints]:
+    """Remesh a patch with nodes at circumcentres, its border kept node for node.
+
+    Parameters, results and errors are those of ``remesh_isotropic``; the patch must not turn far
+    from its mean plane.
+    """
+    patch = FlatPatch.of(points, trias, border)
+    whole, flat, anew = fill_area(
+        patch.flat, trias, border, patch.border_nodes, size, patch.room(size), 0, SWEEPS
+    )
+    if not whole:
+        raise RemeshError("the patch could not be triangulated on its border")
+    return patch.lift(flat), anew

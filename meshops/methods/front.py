@@ -1,0 +1,28 @@
+"""Advancing front: rows of squares along the border (Remacle, Henrotte and others 2013)."""
+
+from __future__ import annotations
+
+from meshops.kernels.packing import pack_squares
+from meshops.mesh import Floats, Ints
+from meshops.methods.flatten import FlatPatch
+from meshops.remesher import RemeshError
+
+QUAD_OF_TRIA = (3.0 / 4.0) ** 0.25
+"""Edge of a square of twice a regular tria's area, over the tria's edge."""
+
+
+def remesh_by_front(points: Floats, trias: Ints, border: Ints, size: float) -> tuple[Floats, Ints]:
+    """Remesh a patch with nodes in rows along its border, its border kept node for node.
+
+    Parameters, results and errors are those of ``remesh_isotropic``: `size` is the edge of regular
+    trias, and the squares here are of the same area as two of them. The patch must not turn far
+    from its mean plane.
+    """
+    patch = FlatPatch.of(points, trias, border)
+    edge = QUAD_OF_TRIA * size
+    whole, flat, anew = pack_squares(
+        patch.flat, trias, border, patch.border_nodes, edge, patch.room(edge)
+    )
+    if not whole:
+        raise RemeshError("the patch could not be triangulated on its border")
+    return patch.lift(flat), anew

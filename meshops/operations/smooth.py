@@ -1,0 +1,184 @@
+"""Smooth: move the free nodes of a place so that the elements around them get better."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from meshops.edit import Edit
+from meshops.kernels.optimising import optimise
+from meshops.kernels.patches import disc
+from meshops.kernels.surface import bounding_spheres
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
+from meshops.workpiece import Workpiece
+
+METHODS = ("laplace", "worst", "even")
+"""As the kernel numbers them."""
+
+RINGS = (1, 2, 3, 4, 5, 6, 8, 30)
+"""Rings that a gene chooses of; the last covers a whole subdomain."""
+
+NO_TRIAS = np.zeros((0, 3), np.int32)
+
+
+@dataclass(frozen=True)
+class Smooth:
+    """Move the free nodes around one or two bad elements; elements stay as they are.
+
+    A place is the rank of a bad element, the rings around it, and the method: ``laplace`` moves
+    nodes to the mean of their neighbours where nothing gets worse by that; ``worst`` searches for
+    places where fewer elements fail and the worst are better; ``even`` for the best mean Q.I.
+    """
+
+    name: str = "smooth"
+    code: int = 12
+
+    def search_space(self, workpiece: Workpiece, rng: np.random.Generator) -> SmoothSpace | None:
+        """Genomes are places; the random generator is not needed."""
+        free = workpiece.topology.free_nodes
+        if not (free.any() and len(workpiece.bad_elements)):
+            return None
+        return SmoothSpace(workpiece)
+
+    def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
+        """Smooth places (K, 3) one after the other; ranks that the mesh does not have are skipped.
+
+        Raises ValueError where there is no such method.
+        """
+        for method in parameters[:, 2]:
+            if not 0 <= method < len(METHODS):
+                raise ValueError(f"there is no method {method} to smooth by")
+        return SmoothSpace(workpiece).edit(parameters)
+
+    def format(self, parameters: Ints) -> str:
+        """Places as ``3 r4 worst``: rank, rings, method."""
+        return " ".join(f"{rank} r{rings} {METHODS[method]}" for rank, rings, method in parameters)
+
+
+class SmoothSpace:
+    """One or two places on one mesh. What was smoothed once is remembered.
+
+    A genome is two places: rank, choice of ``RINGS`` and method each; rank 0 of
+    the second stands for none.
+    """
+
+    def __init__(self, workpiece: Workpiece) -> None:
+        self.workpiece = workpiece
+        bad = len(workpiece.bad_elements)
+        self.bounds: Ids = np.array(
+            [bad, len(RINGS), len(METHODS), bad + 1, len(RINGS), len(METHODS)], np.int64
+        )
+        self._edits: dict[bytes, Edit] = {}
+        self._tallies: dict[bytes, Floats] = {}
+        surface = workpiece.surface
+        curved = surface.plane is None
+        self._plane: Floats = np.zeros(3) if surface.plane is None else surface.plane
+        self._trias = surface.trias if curved else NO_TRIAS
+        self._spheres = bounding_spheres(surface.points, self._trias)
+
+    def draw(self, rng: np.random.Generator, count: int) -> Ids:
+        """Places near the worst elements more often than others, half of them alone."""
+        genomes = rng.integers(0, self.bounds, (count, len(self.bounds)))
+        genomes[:, 0] = (self.bounds[0] * rng.random(count) ** 2).astype(np.int64)
+        genomes[rng.random(count) < 0.5, 3] = 0
+        return genomes
+
+    def evaluate(self, genomes: Ids) -> Floats:
+        """Smooth the places of each genome."""
+        return np.stack([self.tally(genome) for genome in genomes])
+
+    def tally(self, genome: Ids) -> Floats:
+        """Tally after smoothing; that of the mesh where nothing moves."""
+        places = _places(genome)
+        key = places.tobytes()
+        if key not in self._tallies:
+            change = self.workpiece.tally_change(self.edit(places))
+            self._tallies[key] = self.workpiece.tally + change
+        return self._tallies[key]
+
+    def parameters(self, genome: Ids) -> Ints:
+        """(K, 3) int32 places, ranks from 1; no row where nothing moves."""
+        places = _places(genome)
+        return places[:0] if self.edit(places).is_empty else places
+
+    def edit(self, places: Ints) -> Edit:
+        """Smooth places (K, 3) one after the other."""
+        if not len(places):
+            return Edit()
+        key = places.tobytes()
+        if key not in self._edits:
+            self._edits[key] = self._smooth(self.edit(places[:-1]), places[-1])
+        return self._edits[key]
+
+    def _smooth(self, before: Edit, place: Ints) -> Edit:
+        mesh = self.workpiece.mesh
+        nodes = self._nodes(place)
+        if not nodes.any():
+            return before
+        touched = (nodes[mesh.elements] & (mesh.elements != NO_NODE)).any(axis=1)
+        elements = mesh.elements[touched]
+        points = before.points_after(mesh)
+        rows = np.unique(elements[elements != NO_NODE])
+        local = np.searchsorted(rows, elements).astype(np.int32)
+        local[elements == NO_NODE] = NO_NODE
+        patch = points[rows]
+        free = np.nonzero(nodes[rows])[0].astype(np.int32)
+        optimise(
+            patch, local, free, int(place[2]), self._plane, self._ground(patch, local),
+            self.workpiece.setting.scoring.arrays,
+        )  # fmt: skip
+        points[rows] = patch
+        moved = np.nonzero((points != mesh.points).any(axis=1))[0].astype(np.int32)
+        return Edit(moved=moved, moved_to=points[moved])
+
+    def _nodes(self, place: Ints) -> Bools:
+        """(N,) bool: the free nodes of a place (3,)."""
+        topology, bad = self.workpiece.topology, self.workpiece.bad_elements
+        nodes = np.zeros(len(self.workpiece.mesh.points), bool)
+        if not 1 <= place[0] <= len(bad):
+            return nodes
+        inside = disc(
+            topology.element_edges,
+            topology.edge_elements,
+            topology.crossable,
+            topology.editable,
+            bad[place[0] - 1],
+            place[1],
+        )
+        corners = self.workpiece.mesh.elements[inside]
+        nodes[corners[corners != NO_NODE]] = True
+        return nodes & topology.free_nodes
+
+    def _ground(self, points: Floats, elements: Ints) -> tuple[Floats, Ints, Floats, float, float]:
+        """Return the part of the surface that nodes of a place can reach, and its tolerance."""
+        edge = _mean_edge(points, elements)
+        low, high = points.min(axis=0) - edge, points.max(axis=0) + edge
+        centres, radius = self._spheres[:, :3], self._spheres[:, 3:]
+        near = ((centres + radius >= low) & (centres - radius <= high)).all(axis=1)
+        near |= not near.any()
+        return (
+            self.workpiece.surface.points,
+            self._trias[near],
+            self._spheres[near],
+            SURFACE_TOLERANCE * edge,
+            LEAST_CORNER,
+        )
+
+
+def _places(genome: Ids) -> Ints:
+    """(1 or 2, 3) int32 places of a genome (6,)."""
+    places = genome.reshape(2, 3) + np.array([[1, 0, 0], [0, 0, 0]])
+    places[:, 1] = np.take(RINGS, places[:, 1])
+    chosen: Ints = places[places[:, 0] > 0].astype(np.int32)
+    return chosen
+
+
+def _mean_edge(points: Floats, elements: Ints) -> float:
+    following = np.roll(elements, -1, axis=1)
+    tria = elements[:, 3] == NO_NODE
+    following[tria, 2] = elements[tria, 0]
+    is_side = (elements != NO_NODE) & (following != NO_NODE)
+    vectors = points[following[is_side]] - points[elements[is_side]]
+    return float(np.linalg.norm(vectors, axis=1).mean())
