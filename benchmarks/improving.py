@@ -7,12 +7,16 @@ from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from typing import Any
 
+import numpy as np
+
 from benchmarks.measures import parity_bound
 from islands.config import load_config
+from islands.operation_ga import evolve
 from islands.run import Finished, Job, improve
 from meshops.criteria_files import load_criteria
 from meshops.examples import SIZE, plate
 from meshops.mesh import ShellMesh
+from meshops.workpiece import Workpiece
 from tracking.events import Event, RoundReport
 
 CRITERIA = "paper"
@@ -81,5 +85,10 @@ def processes(count: int) -> ProcessPoolExecutor:
 
 
 def warm_up() -> None:
-    """Load or compile what the optimiser needs."""
-    improve(job_of("warm-up", plate(), size=SIZE, rounds=1))
+    """Load or compile what the optimiser and every operation need."""
+    job = job_of("warm-up", plate(), size=SIZE, rounds=1)
+    improve(job)
+    workpiece = Workpiece(job.mesh, job.problem.setting)
+    for operation in job.problem.operations:
+        rng = np.random.default_rng(1)
+        evolve(operation, workpiece, job.problem.breeding, rng, improving=False)

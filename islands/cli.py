@@ -93,7 +93,9 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 @cli.command()
 @click.argument("mesh", type=_PATH)
 @click.option("--out", type=_PATH, required=True, help="Folder for the results.")
-@click.option("--profile", type=click.Choice(["paper", "default"]), help="Settings to start from.")
+@click.option(
+    "--profile", type=click.Choice(["default", "thorough", "paper"]), help="Settings to start from."
+)
 @click.option(
     "--operation",
     type=click.Choice(["remesh", "replace-node"]),
@@ -110,6 +112,11 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 @click.option("--backend", type=click.Choice(["local", "ray"]))
 @click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
 @click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
+@click.option(
+    "--warm-start",
+    metavar="DIR",
+    help="Begin from the procedure of an earlier run, also of another part.",
+)
 @click.option("--config", "config_file", type=_PATH, metavar="FILE.toml")
 @click.option("--overwrite", is_flag=True, help="Write into a folder that is not empty.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")
@@ -128,7 +135,7 @@ def optimize(
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
     config = load_config(config_file, given)
     done = _optimize(mesh, out, config, overwrite=overwrite, quiet=quiet)
-    click.echo(_closing_words(done, out))
+    click.echo(f"{_closing_words(done)} All files are in {out}.")
     if done.status == "interrupted":
         sys.exit(INTERRUPTED)
 
@@ -138,13 +145,41 @@ def optimize(
 @click.argument("mesh", type=_PATH)
 @click.option("--out", type=_PATH, required=True, help="The mesh to write.")
 def replay(procedure: Path, mesh: Path, out: Path) -> None:
-    """Perform a procedure again on the mesh that it was found on."""
+    """Perform a procedure again, bit for bit on its own mesh, or try it on another one."""
     from islands.replay import replay_file
     from meshops.formats import check_writable_suffix
 
     check_writable_suffix(out)
     _refuse_to_overwrite(out)
     click.echo(replay_file(procedure, mesh, out))
+
+
+@cli.command()
+@click.argument("part", type=_PATH)
+@click.option("--out", type=_PATH, required=True, help="The mesh to write.")
+@_CRITERIA
+@_SIZE
+@click.option("--seed", type=int, metavar="S")
+@click.option("--time-limit", type=float, metavar="SECONDS")
+def mesh(part: Path, out: Path, **options: Any) -> None:
+    """Mesh a part (.stl; with the extra "cad" .step and .iges too), then repair the mesh."""
+    from islands.config import load_config
+    from islands.run import Job, improve
+    from meshops.criteria_files import load_criteria
+    from meshops.formats import check_writable_suffix, write_mesh
+    from meshops.geometry import default_size, mesh_geometry
+
+    check_writable_suffix(out)
+    _refuse_to_overwrite(out)
+    given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    _positive(given.get("size"))
+    shells = mesh_geometry(part, given.get("size"))
+    given.setdefault("size", default_size(shells.points))
+    config = load_config(None, given)
+    job = Job.of(part.name, shells, load_criteria(config.criteria), config)
+    done = improve(job)
+    write_mesh(done.mesh, out)
+    click.echo(f"{out}: {len(done.mesh.elements)} elements; {_closing_words(done)}")
 
 
 @cli.command()
@@ -219,12 +254,12 @@ def _tell(sentence: str) -> None:
     click.echo(sentence, err=True)
 
 
-def _closing_words(done: Finished, out: Path) -> str:
+def _closing_words(done: Finished) -> str:
     before, after = done.before, done.after
     return (
         f"{before.failed} failed elements -> {after.failed}, "
         f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
-        f"{after.compound_qi:.2f}; {done.seconds:.1f} s. All files are in {out}."
+        f"{after.compound_qi:.2f}; {done.seconds:.1f} s."
     )
 
 

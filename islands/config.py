@@ -85,6 +85,7 @@ class Config(BaseModel):
     backend: Literal["local", "ray"] = "local"
     address: str | None = None
     track: str | None = None
+    warm_start: str | None = None
 
     @property
     def operations(self) -> tuple[Operation, ...]:

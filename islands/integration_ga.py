@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -254,9 +254,7 @@ class Evaluator:
     def _advance(self, trails: list[_Trail], genes: Ids) -> None:
         codes = [self.problem.codes[gene] for gene in genes]
         tasks: list[Task | None] = [
-            None
-            if code == NOTHING
-            else Task(trail.mesh, code, trail.attempts.get(code, 0))
+            None if code == NOTHING else Task(trail.mesh, code, trail.attempts.get(code, 0))
             for trail, code in zip(trails, codes, strict=True)
         ]
         self._learn({t: x.handle for t, x in zip(tasks, trails, strict=True) if t is not None})

@@ -66,9 +66,7 @@ def generations(
             best, best_fitness = genomes[top], float(fitness[top])
             best_tally = space.tally(best)
         evaluations = (number + 1) * breeding.individuals
-        yield Generation(
-            number, fitness, tallies, best, best_fitness, best_tally, evaluations
-        )
+        yield Generation(number, fitness, tallies, best, best_fitness, best_tally, evaluations)
         if number < breeding.generations:
             fresh = space.draw(rng, breeding.individuals)
             genomes = next_generation(genomes, fitness, fresh, breeding, rng)
@@ -94,9 +92,7 @@ def evolve(
     if space is None:
         return Evolved(nothing, Edit(), 0)
     *_, last = generations(space, workpiece, breeding, rng)
-    fit = np.isfinite(last.best_fitness) and (
-        not improving or workpiece.accepts(last.best_tally)
-    )
+    fit = np.isfinite(last.best_fitness) and (not improving or workpiece.accepts(last.best_tally))
     parameters = space.parameters(last.best) if fit else nothing
     edit = operation.apply(workpiece, parameters)
     return Evolved(nothing if edit.is_empty else parameters, edit, last.evaluations)

@@ -190,7 +190,7 @@ class Procedure:
                 mesh=str(document["mesh"]),
                 result=str(document["result"]),
                 box=box,
-                criteria=parse_toml(document["criteria"], source),
+                criteria=_read_criteria(document["criteria"], source),
                 size=float(document["size"]),
                 element_size=None if size is None else float(size),
                 feature_angle=float(document["feature_angle"]),
@@ -201,6 +201,13 @@ class Procedure:
                 f"{source} is not a procedure ({type(error).__name__}: {error}); "
                 "give the procedure.json that an optimize run wrote."
             ) from None
+
+
+def _read_criteria(text: str, source: str) -> Criteria:
+    try:
+        return parse_toml(text, source)
+    except InputError as error:
+        raise InputError(f"{source}: {error}.") from None
 
 
 def _read_round(item: dict[str, Any], codes: dict[str, int]) -> Round:

@@ -58,7 +58,9 @@ def _transfer(
     try:
         mesh, _ = transfer(procedure, deck.mesh, ALL_OPERATIONS, setting)
     except InputError as error:
-        raise InputError(f"{procedure_file} was found on another mesh than {source}: {error}") from None
+        raise InputError(
+            f"{procedure_file} was found on another mesh than {source}: {error}"
+        ) from None
     deck.write(mesh, out)
     return (
         f"{out}: {procedure_file} was found on another mesh; on this one it brought, without any "

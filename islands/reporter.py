@@ -62,7 +62,7 @@ class Reporter:
         ranked = np.stack([s.tallies[np.argsort(-s.fitness, kind="stable")] for s in done])
         wholes = self.tally + (ranked - roots[:, None]).sum(axis=0)
         fitness = self._fitness(wholes)
-        best = self.tally + np.sum([s.best_tally - root for s, root in zip(done, roots)], axis=0)
+        best = self.tally + (np.stack([s.best_tally for s in done]) - roots).sum(axis=0)
         best_so_far = float(self._fitness(best[None])[0])
         generation = self.generation + max(state.generation for state in done) - 1
         self.record(

@@ -11,6 +11,7 @@ from typing import Any
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
 from meshops.formats import Deck, write_mesh
+from meshops.operations import ALL_OPERATIONS
 from meshops.pictures import draw
 from meshops.quality import element_index
 from tracking.journal import HISTORY
@@ -42,7 +43,6 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
     Returns the files, the ones for the dashboard.
     """
     scoring = job.problem.setting.scoring
-    operations = job.problem.operations
     deck.write(done.mesh, folder / source.name)
     write_mesh(
         done.mesh,
@@ -50,7 +50,7 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
         cell_data={"element Q.I.": element_index(done.mesh, scoring)},
     )
     texts = {
-        "procedure.json": done.procedure.to_json(operations),
+        "procedure.json": done.procedure.to_json(ALL_OPERATIONS),
         "procedure.txt": done.text + "\n",
         "quality_before.txt": done.before.table() + "\n",
         "quality_after.txt": done.after.table() + "\n",

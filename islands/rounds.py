@@ -65,6 +65,7 @@ class Evolution:
 def evolve_rounds(
     problem: Problem,
     mesh: ShellMesh,
+    reference: Reference,
     plan: Plan,
     schedule: Schedule,
     executor: Executor,
@@ -76,89 +77,95 @@ def evolve_rounds(
     What one subdomain becomes does not depend on the others of its round, so the work grows with
     the number of bad places and can be shared out.
     """
-    reference = Reference(mesh, problem.setting.feature_angle)
     credit = np.zeros(len(problem.codes))
     rounds: list[Round] = []
     evaluations = batches = level = cycle = best_rounds = 0
     best_mesh, best_tally = mesh, Workpiece(mesh, problem.setting).tally
     status: Status = "finished"
     reason = "all rounds are done"
-    for turn in range(plan.rounds):
-        workpiece = Workpiece(mesh, problem.setting)
-        found = subdomains(workpiece, plan.extents[level], turn)
-        if not found and level + 1 < len(plan.extents) and len(places(workpiece)):
-            level += 1  # each fault has a subdomain whose border does not allow less
-            continue
-        if not found:
-            reason = "nothing is left to gain"
-            break
-        drawn = replace(moving_on(problem, cycle), weights=adapted_rates(credit), turn=turn)
-        works = [subdomain_work(drawn, reference, subdomain) for subdomain in found]
-        tally = workpiece.tally
-        best: list[IslandState] = []
-        for first in range(0, len(works), BATCH):
-            batch = works[first : first + BATCH]
-            roots = np.stack([work.root.tally for work in batch])
-            reporter = Reporter(
-                record=record,
-                setting=problem.setting,
-                operations=problem.operations,
-                tally=tally,
-                roots=roots,
-                generation=batches * (schedule.generations + 1),
-                evaluations=evaluations,
-                started=started,
+    try:
+        for turn in range(plan.rounds):
+            workpiece = Workpiece(mesh, problem.setting)
+            found = subdomains(workpiece, plan.extents[level], turn)
+            if not found and level + 1 < len(plan.extents) and len(places(workpiece)):
+                level += 1  # each fault has a subdomain whose border does not allow less
+                continue
+            if not found:
+                reason = "nothing is left to gain"
+                break
+            drawn = replace(moving_on(problem, cycle), weights=adapted_rates(credit), turn=turn)
+            works = [subdomain_work(drawn, reference, subdomain) for subdomain in found]
+            tally = workpiece.tally
+            best: list[IslandState] = []
+            for first in range(0, len(works), BATCH):
+                batch = works[first : first + BATCH]
+                roots = np.stack([work.root.tally for work in batch])
+                reporter = Reporter(
+                    record=record,
+                    setting=problem.setting,
+                    operations=problem.operations,
+                    tally=tally,
+                    roots=roots,
+                    generation=batches * (schedule.generations + 1),
+                    evaluations=evaluations,
+                    started=started,
+                )
+                effort = replace(schedule, generations=min(level + cycle, schedule.generations))
+                result = evolve_archipelago(batch, effort, executor, reporter.watch, reporter.post)
+                best += result.best
+                tally = tally + sum(
+                    s.best_tally - r
+                    for s, r in zip(result.best, roots, strict=True)
+                    if s.best_steps
+                )
+                evaluations += result.evaluations
+                batches += 1
+                status = result.status
+                if status != "finished":
+                    break
+            done = Round(
+                plan.extents[level],
+                turn,
+                tuple(
+                    Place(tuple(subdomain.centre.tolist()), state.best_steps)
+                    for subdomain, state in zip(found, best, strict=False)
+                ),
             )
-            effort = replace(schedule, generations=min(level + cycle, schedule.generations))
-            result = evolve_archipelago(batch, effort, executor, reporter.watch, reporter.post)
-            best += result.best
-            tally = tally + sum(s.best_tally - r for s, r in zip(result.best, roots) if s.best_steps)
-            evaluations += result.evaluations
-            batches += 1
-            status = result.status
+            mesh = _stitched(mesh, found, works, done)
+            rounds.append(done)
+            credit = FADING * credit + credits_of(done, problem)
+            record(
+                RoundReport(
+                    turn=turn,
+                    rings=plan.extents[level].rings,
+                    places=len(done.places),
+                    changed=sum(bool(place.steps) for place in done.places),
+                    solved=sum(
+                        bool(s.best_steps) and w.is_solved(s.best_tally)
+                        for w, s in zip(works, best, strict=False)
+                    ),
+                    failed=int(tally[FAILED]),
+                    trias=int(tally[TRIAS]),
+                    evaluations=evaluations,
+                    seconds=time.monotonic() - started,
+                    rates=_named_rates(drawn),
+                )
+            )
+            if _faults(tally) < _faults(best_tally):
+                best_mesh, best_tally, best_rounds = mesh, tally, len(rounds)
+                cycle = 0
+            own = drawn.fitness.of_faults(tally) > drawn.fitness.of_faults(workpiece.tally)
+            if not own and level + 1 < len(plan.extents):
+                level += 1
+            elif not own:
+                cycle, level = cycle + 1, 0
+                if cycle > plan.patience:
+                    reason = f"{plan.patience} cycles brought no gain"
+                    break
             if status != "finished":
                 break
-        done = Round(
-            plan.extents[level],
-            turn,
-            tuple(
-                Place(tuple(subdomain.centre.tolist()), state.best_steps)
-                for subdomain, state in zip(found, best, strict=False)
-            ),
-        )
-        mesh = _stitched(mesh, found, works, done)
-        rounds.append(done)
-        credit = FADING * credit + credits_of(done, problem)
-        record(
-            RoundReport(
-                turn=turn,
-                rings=done.extent.rings,
-                places=len(done.places),
-                changed=sum(bool(place.steps) for place in done.places),
-                solved=sum(
-                    bool(s.best_steps) and w.is_solved(s.best_tally)
-                    for w, s in zip(works, best, strict=False)
-                ),
-                failed=int(tally[FAILED]),
-                trias=int(tally[TRIAS]),
-                evaluations=evaluations,
-                seconds=time.monotonic() - started,
-                rates=_named_rates(drawn),
-            )
-        )
-        if _faults(tally) < _faults(best_tally):
-            best_mesh, best_tally, best_rounds = mesh, tally, len(rounds)
-            cycle = 0
-        own = drawn.fitness.of_faults(tally) > drawn.fitness.of_faults(workpiece.tally)
-        if not own and level + 1 < len(plan.extents):
-            level += 1
-        elif not own:
-            cycle, level = cycle + 1, 0
-            if cycle > plan.patience:
-                reason = f"{plan.patience} cycles brought no gain"
-                break
-        if status != "finished":
-            break
+    except KeyboardInterrupt:
+        status = "interrupted"
     return Evolution(best_mesh, tuple(rounds[:best_rounds]), evaluations, status, reason)
 
 
@@ -193,7 +200,8 @@ def adapted_rates(credit: Floats) -> Floats:
     if not credit.any():
         return even
     rates: Floats = LEAST_RATE * even + (1.0 - LEAST_RATE) * credit / credit.sum()
-    return rates / rates.sum()
+    normalised: Floats = rates / rates.sum()
+    return normalised
 
 
 def credits_of(done: Round, problem: Problem) -> Floats:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,15 +14,19 @@ from islands.archipelago import Executor, Schedule, Status
 from islands.config import Config
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
-from islands.procedure import Procedure
+from islands.procedure import Procedure, Round
+from islands.replay import read_procedure
 from islands.rounds import Evolution, evolve_rounds
+from islands.transfer import transfer
 from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.mesh import ShellMesh
+from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
 from meshops.quality_index import QualityIndex, quality_index
+from meshops.reference import Reference
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tracking.events import Event, MeshSummary, RunFinished, RunStarted
@@ -183,7 +188,16 @@ def _evolve(
         return evolve_alone(problem, job.mesh, config, record, started)
     if config.profile == "paper":
         return evolve_whole(problem, job.mesh, schedule, executor, record, started)
-    return evolve_rounds(problem, job.mesh, config.plan, schedule, executor, record, started)
+    rounds: tuple[Round, ...] = ()
+    mesh = job.mesh
+    if config.warm_start:
+        known = read_procedure(Path(config.warm_start) / "procedure.json")
+        mesh, rounds = transfer(known, mesh, ALL_OPERATIONS, problem.setting)
+    reference = Reference(job.mesh, problem.setting.feature_angle)
+    evolution = evolve_rounds(
+        problem, mesh, reference, config.plan, schedule, executor, record, started
+    )
+    return replace(evolution, rounds=rounds + evolution.rounds)
 
 
 def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float) -> Finished:
@@ -205,7 +219,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
     return Finished(
         mesh=mesh,
         procedure=procedure,
-        text=procedure.text(problem.operations),
+        text=procedure.text(ALL_OPERATIONS),
         fitness=float(setting.fitness.of(tally[None], setting.scoring)[0]),
         evaluations=evolution.evaluations,
         seconds=time.monotonic() - started,

@@ -96,9 +96,7 @@ def _reporter(work: Work, record: Callable[[Event], None], started: float) -> Re
     )
 
 
-def _evolution(
-    work: Work, steps: tuple[Step, ...], evaluations: int, status: Status
-) -> Evolution:
+def _evolution(work: Work, steps: tuple[Step, ...], evaluations: int, status: Status) -> Evolution:
     problem = work.problem
     x, y, z = work.mesh.points.mean(axis=0).tolist()
     mesh = perform_steps(work.mesh, steps, problem.operations, problem.setting)

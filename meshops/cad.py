@@ -10,10 +10,8 @@ from typing import Any
 import numpy as np
 
 from meshops.errors import InputError
+from meshops.geometry import default_size
 from meshops.mesh import NO_NODE, ShellMesh
-
-SIZES_ALONG = 40
-"""Edges along the longest side of a part where no size is given."""
 
 PROPERTY = 1
 """Region of all elements: faces meet at feature edges, which no operation crosses anyhow."""
@@ -25,7 +23,7 @@ OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
     "Geometry.OCCSewFaces": 1,
-    "Mesh.Algorithm": 8,  # frontal-Delaunay for quads
+    "Mesh.Algorithm": 9,  # packing of parallelograms: the fewest failing elements of all
     "Mesh.RecombineAll": 1,
     "Mesh.RecombinationAlgorithm": 1,  # Blossom
     "Mesh.MeshSizeExtendFromBoundary": 0,
@@ -37,8 +35,7 @@ OPTIONS = {
 def mesh_cad(path: Path, size: float | None = None) -> ShellMesh:
     """Mesh all faces of a .step or .iges file with quads of an edge length.
 
-    Nodes on an edge are shared by its faces. Without a size, the longest side of the part is
-    divided into ``SIZES_ALONG``.
+    Nodes on an edge are shared by its faces. Without a size it is that of ``default_size``.
 
     Raises
     ------
@@ -58,7 +55,7 @@ def mesh_cad(path: Path, size: float | None = None) -> ShellMesh:
             raise InputError(f"{path} cannot be read as CAD: {error}.") from error
         if not faces:
             raise InputError(f"{path} has no face to mesh: check the file.")
-        edge = float(np.ptp(box, axis=0).max()) / SIZES_ALONG if size is None else size
+        edge = default_size(box) if size is None else size
         try:
             gmsh.option.setNumber("Mesh.MeshSizeMin", edge)
             gmsh.option.setNumber("Mesh.MeshSizeMax", edge)

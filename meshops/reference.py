@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from meshops.kernels.pairing import split_quads
 from meshops.kernels.patches import label_components
 from meshops.kernels.soundness import unit_normals
-from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.patch import Patch
 from meshops.surface import PatchSurface
 from meshops.topology import topology
@@ -58,7 +58,7 @@ class Reference:
         elements[:, :3] = local.reshape(-1, 3)
         return PatchSurface.of(points, elements)
 
-    def _zone_under(self, patch: Patch, own: PatchSurface, rows: Ints) -> int:
+    def _zone_under(self, patch: Patch, own: PatchSurface, rows: Ids) -> int:
         """Zone of the nearest tria that faces the way of the patch's first element."""
         _, tria_zones, normals, tree, _ = self._trias
         first = own.trias[:1]

@@ -51,15 +51,16 @@ def replace_patch(
     rows: Ints,
     *,
     method: Method = remesh_isotropic,
+    size: float | None = None,
     scale: float = 1.0,
 ) -> tuple[Edit, Floats]:
     """Remesh one patch; the edit, empty where that fails, and its change of the tally.
 
-    `scale` multiplies the edge length of the run, or of the patch where the run has none.
+    `scale` multiplies the edge length: `size`, or else that of the run, or else of the patch.
     """
     patch = extract(workpiece.topology, rows)
     surface = PatchSurface.of(patch.points, patch.elements)
-    edge = workpiece.setting.element_size or surface.mean_edge(patch)
+    edge = size or workpiece.setting.element_size or surface.mean_edge(patch)
     anew = None
     if len(rows) > 1:
         anew = remesh_patch(patch, surface, workpiece.reference or surface, edge * scale, method)

@@ -142,6 +142,8 @@ def places(workpiece: Workpiece) -> Ints:
     zones = topology.zones
     count = int(zones.max()) + 1 if len(zones) else 0
     inside = zones >= 0
+    if not count:
+        return np.zeros(0, np.int32)
     trias = np.bincount(zones[inside & mesh.is_tria], minlength=count)
     failing = np.bincount(zones[inside & workpiece.failing], minlength=count)
     excess = trias > zone_border_edges(workpiece) % 2

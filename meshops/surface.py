@@ -98,9 +98,7 @@ class PatchSurface:
         return spheres
 
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
-        found: tuple[Floats, Floats, Ints] = nearest(
-            queries, self.points, self.trias, self.spheres
-        )
+        found: tuple[Floats, Floats, Ints] = nearest(queries, self.points, self.trias, self.spheres)
         return found
 
 

@@ -128,9 +128,7 @@ class Topology:
 
 def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topology:
     """Find edges and barriers; `feature_angle` in degrees."""
-    edges, element_edges, edge_elements, uses, opposed = find_edges(
-        mesh.elements, len(mesh.points)
-    )
+    edges, element_edges, edge_elements, uses, opposed = find_edges(mesh.elements, len(mesh.points))
     crossable = opposed
     left, right = edge_elements[crossable].T
     normals = element_normals(mesh)

@@ -10,8 +10,8 @@ import numpy as np
 from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
-from meshops.kernels.quality import FAILED, TRIAS, tally_elements
 from meshops.kernels.patches import rings_around
+from meshops.kernels.quality import FAILED, TRIAS, tally_elements
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_index, failed_elements
 from meshops.surface import PatchSurface

@@ -21,7 +21,7 @@ WIDEST = (50.0, 35.0)
 second for parts that still do. No two normals are farther apart then than a patch may be steep."""
 
 SCRAP = 0.02
-"""Share of a zone's elements up to which a part is left over by chance where the angle is reached."""
+"""Share of a zone's elements up to which a part is a chance remnant along the widest angle."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,6 +66,20 @@ def crossable_edges(mesh, feature_angle=30.0):
     return frozenset(result)
 
 
+def within(mesh, first, steps):
+    """Rows of the elements that so many steps across crossable edges from one can reach."""
+    edge_users = users(mesh)
+    beside = defaultdict(set)
+    for edge in crossable_edges(mesh):
+        (one, _), (two, _) = edge_users[edge]
+        beside[one].add(two)
+        beside[two].add(one)
+    reached = {first}
+    for _ in range(steps):
+        reached = reached.union(*(beside[row] for row in reached))
+    return reached
+
+
 def fans(mesh):
     """[(node, elements, whether they close around it)]: elements that crossable edges connect."""
     crossable = crossable_edges(mesh)

@@ -1,11 +1,13 @@
 """The command line as a user meets it: files, sentences, exit codes."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ import pytest
 
 from islands.cli import main
 from meshops.formats import read_deck, write_mesh
+from meshops.mesh import ShellMesh
 from tests.decks import bad_plate
 
 RUN = "from islands.cli import main; main()"
@@ -92,8 +95,26 @@ def test_replay_makes_the_same_deck(call, deck: Path, tmp_path: Path) -> None:  
     assert (tmp_path / "again.bdf").read_bytes() == (tmp_path / "run/deck.bdf").read_bytes()
 
 
-def test_replay_on_another_mesh_says_so(call, deck: Path, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+def test_replay_on_another_mesh_improves_it_and_says_by_how_much(  # type: ignore[no-untyped-def]
+    call, deck: Path, tmp_path: Path
+) -> None:
     call("optimize", deck, "--out", "run", "--quiet", *FAST)
+    write_mesh(bad_plate(seed=5), tmp_path / "other.bdf")
+    code, out, _ = call("replay", "run/procedure.json", "other.bdf", "--out", "again.bdf")
+    assert code == 0
+    assert "another mesh" in out
+    told = re.search(r"(\d+) failed elements and (\d+) trias -> (\d+) .* and (\d+) trias", out)
+    assert told
+    failed, trias, failed_after, trias_after = map(int, told.groups())
+    assert (failed_after, trias_after) < (failed, trias)
+    assert trias == read_deck(tmp_path / "other.bdf").mesh.is_tria.sum()
+    assert trias_after == read_deck(tmp_path / "again.bdf").mesh.is_tria.sum()
+
+
+def test_replay_of_element_numbers_on_another_mesh_is_refused(  # type: ignore[no-untyped-def]
+    call, deck: Path, tmp_path: Path
+) -> None:
+    call("optimize", deck, "--out", "run", "--quiet", "--profile", "paper", *FAST)
     write_mesh(bad_plate(seed=5), tmp_path / "other.bdf")
     code, _, err = call("replay", "run/procedure.json", "other.bdf", "--out", "again.bdf")
     assert code == 2
@@ -120,11 +141,12 @@ def test_picture_and_example(call, tmp_path: Path) -> None:  # type: ignore[no-u
 
 def test_a_config_file_and_options_over_it(call, deck: Path, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     (tmp_path / "c.toml").write_text(
-        'seed = 7\npopulation = 3\ngenerations = 4\nislands = 1\nsize = 5.0\ntrack = "off"\n'
+        'profile = "paper"\nseed = 7\npopulation = 3\ngenerations = 4\nsize = 5.0\ntrack = "off"\n'
     )
     code, out, _ = call("optimize", deck, "--out", "run", "--config", "c.toml", "--generations", 0)
     assert code == 0
     assert json.loads((tmp_path / "run/result.json").read_text())["seed"] == 7
+    assert "generation 0" in out
     assert "generation 1" not in out
 
 
@@ -220,13 +242,30 @@ def test_the_result_has_the_format_of_the_input(call, tmp_path: Path, suffix: st
 LISTEN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler);"
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def unmendable() -> ShellMesh:
+    """A plate whose border fails for ever, so that a patient run goes on and on."""
+    plate = bad_plate()
+    points = plate.points.copy()
+    points[1] = points[0] + (0.0, 0.1, 0.0)
+    return replace(plate, points=points, locked_nodes=np.ones(len(points), bool))
+
+
+@pytest.mark.parametrize(
+    ("number", "settings"),
+    [
+        (signal.SIGINT, "rounds = 100000\npatience = 100000\n"),
+        (signal.SIGTERM, 'profile = "paper"\ngenerations = 100000\n'),
+    ],
+    ids=["rounds", "whole"],
+)
 def test_an_interrupt_keeps_the_best_and_exits_with_130(
-    deck: Path, tmp_path: Path, number: signal.Signals
+    tmp_path: Path, number: signal.Signals, settings: str
 ) -> None:
-    options = ["--out", "run", "--track", "off", "--generations", "100000", "--islands", "1"]
+    write_mesh(unmendable(), tmp_path / "deck.bdf")
+    (tmp_path / "c.toml").write_text(settings + 'track = "off"\nsize = 5.0\nislands = 1\n')
+    options = ["--out", "run", "--config", "c.toml"]
     process = subprocess.Popen(
-        [sys.executable, "-c", LISTEN + RUN, "optimize", str(deck), *options],
+        [sys.executable, "-c", LISTEN + RUN, "optimize", "deck.bdf", *options],
         stdout=subprocess.PIPE,
         text=True,
         cwd=tmp_path,
@@ -234,7 +273,7 @@ def test_an_interrupt_keeps_the_best_and_exits_with_130(
     try:
         assert process.stdout
         for line in process.stdout:
-            if "generation 1 " in line:
+            if "generation 3 " in line:
                 break
         process.send_signal(number)
         process.stdout.read()

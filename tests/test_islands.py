@@ -1,4 +1,4 @@
-"""Evolution of procedures: purity, sharing, migration, the same answer on every backend."""
+"""Procedures and islands: purity, sharing, stopping early, who leaves and who gives way."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,48 +6,23 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from islands.archipelago import Migration, Result, evolve_archipelago
 from islands.config import Config, load_config
-from islands.executors.local import LocalExecutor, LocalRunner, root_outcome
+from islands.executors.local import LocalRunner
 from islands.genetics import Breeding
-from islands.integration_ga import Evaluator, Handle, Outcome, Problem, Task, run_task
-from islands.island import IslandState, Migrants, emigrants, settle, step
-from islands.procedure import perform
-from islands.run import Finished, Job, run, start_executor
+from islands.integration_ga import Evaluator, Handle, Outcome, Problem, Task, Work, run_task
+from islands.island import IslandState, emigrants, settle, step
+from islands.procedure import perform_steps
 from islands.topology import ring
-from meshops.criteria import PAPER
+from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import NOTHING
 from tests.decks import bad_plate
-from tracking.events import Event, GenerationReport, MigrationReport, RunFinished, RunStarted
-
-SMALL = {
-    "size": 5.0,
-    "criteria": "paper",
-    "population": 4,
-    "generations": 2,
-    "genes": 3,
-    "operation-population": 4,
-    "operation-generations": 1,
-}
+from tests.jobs import problem_of
 
 
 @pytest.fixture(scope="module")
 def mesh() -> ShellMesh:
     return bad_plate()
-
-
-def job(mesh: ShellMesh, **settings: object) -> Job:
-    given = SMALL | {name.replace("_", "-"): value for name, value in settings.items()}
-    return Job.of("plate", mesh, PAPER, load_config(None, given))
-
-
-def finish(work: Job, events: list[Event] | None = None) -> Finished:
-    executor = start_executor(work, float("inf"))
-    try:
-        return run(work, executor, (events if events is not None else []).append, 0.0)
-    finally:
-        executor.close()
 
 
 class CountingRunner:
@@ -62,32 +37,49 @@ class CountingRunner:
         return self.inner.run(jobs)
 
 
-def evaluator(work: Job) -> tuple[Evaluator, CountingRunner]:
-    runner = CountingRunner(work.problem)
-    root = root_outcome(work.problem, work.mesh)
-    return Evaluator(work.problem, runner, root, work.mesh), runner
+def evaluator(mesh: ShellMesh, **options: object) -> tuple[Evaluator, CountingRunner]:
+    changes = {name: options.pop(name) for name in ("improving",) if name in options}
+    problem = replace(problem_of(mesh), **changes)
+    runner = CountingRunner(problem)
+    root = Work(problem, mesh).root
+    return Evaluator(problem, runner, root, mesh, **options), runner  # type: ignore[arg-type]
 
 
-def test_a_task_is_a_pure_function(mesh: ShellMesh) -> None:
-    work = job(mesh)
-    for code in (0, 1):
-        task = Task(mesh.digest, code, 0)
-        (one, mesh_one), (two, mesh_two) = (run_task(work.problem, task, mesh) for _ in range(2))
-        assert one.mesh == two.mesh == mesh_one.digest == mesh_two.digest
-        assert (one.tally == two.tally).all()
-        assert (one.parameters == two.parameters).all()
+# --- tasks --------------------------------------------------------------------------------------
 
 
-def test_another_attempt_or_seed_draws_other_numbers(mesh: ShellMesh) -> None:
-    problem = job(mesh).problem
-    others = [(problem, Task(mesh.digest, 1, attempt)) for attempt in range(3)]
-    others.append((replace(problem, seed=99), Task(mesh.digest, 1, 0)))
-    found = [run_task(p, task, mesh)[0].parameters.tobytes() for p, task in others]
-    assert len(set(found)) >= 3
+@pytest.mark.parametrize("code", [0, 1])
+def test_a_task_is_a_pure_function(mesh: ShellMesh, code: int) -> None:
+    task = Task(mesh.digest, code, 0)
+    (one, mesh_one), (two, mesh_two) = (run_task(problem_of(mesh), task, mesh) for _ in range(2))
+    assert one.mesh == two.mesh == mesh_one.digest == mesh_two.digest
+    assert (one.tally == two.tally).all()
+    assert (one.parameters == two.parameters).all()
+
+
+def test_another_attempt_seed_or_turn_draws_other_numbers(mesh: ShellMesh) -> None:
+    problem = replace(problem_of(mesh), improving=False)
+    tasks = [(problem, Task(mesh.digest, 0, attempt)) for attempt in range(3)]
+    tasks += [(replace(problem, **other), tasks[0][1]) for other in ({"seed": 99}, {"turn": 1})]
+    found = [run_task(p, task, mesh)[0].parameters.tobytes() for p, task in tasks]
+    assert len(set(found)) == 5
+
+
+def test_genes_are_drawn_as_often_as_their_weight_says(mesh: ShellMesh) -> None:
+    problem = problem_of(mesh)
+    assert problem.codes == (0, 1, NOTHING)
+    drawn = problem.draw(np.random.default_rng(0), 300, 100)
+    assert np.bincount(drawn.ravel()) / drawn.size == pytest.approx([1 / 3] * 3, abs=0.01)
+    weighted = replace(problem, weights=np.array([0.7, 0.1, 0.2]))
+    drawn = weighted.draw(np.random.default_rng(0), 300, 100)
+    assert np.bincount(drawn.ravel()) / drawn.size == pytest.approx([0.7, 0.1, 0.2], abs=0.01)
+
+
+# --- procedures ---------------------------------------------------------------------------------
 
 
 def test_common_prefixes_are_evaluated_once(mesh: ShellMesh) -> None:
-    scorer, runner = evaluator(job(mesh))
+    scorer, runner = evaluator(mesh, improving=False)
     genomes = np.array([[0, 0, 2], [0, 0, 1], [2, 0, 0], [0, 2, 0]])
     fitness, _, steps = scorer.evaluate(genomes)
     assert len(runner.asked) == len(set(runner.asked)) == 3
@@ -97,85 +89,99 @@ def test_common_prefixes_are_evaluated_once(mesh: ShellMesh) -> None:
     assert len(runner.asked) == 3
 
 
-def test_what_was_forgotten_is_found_again_the_same(
-    mesh: ShellMesh, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_was_forgotten_is_found_again_the_same(mesh: ShellMesh) -> None:
     genomes = np.array([[0, 0, 1], [1, 0, 0], [1, 1, 2]])
-    remembering, _ = evaluator(job(mesh))
+    remembering, _ = evaluator(mesh)
     expected = remembering.evaluate(genomes)[0]
-    monkeypatch.setattr("islands.integration_ga.REMEMBERED_BYTES", 0)
-    forgetful, runner = evaluator(job(mesh))
+    forgetful, runner = evaluator(mesh, remembered_bytes=0)
     for _ in range(2):
         assert (forgetful.evaluate(genomes)[0] == expected).all()
     assert len(runner.asked) > len(set(runner.asked))
 
 
 def test_doing_nothing_costs_nothing(mesh: ShellMesh) -> None:
-    scorer, runner = evaluator(job(mesh))
-    fitness, tallies, _ = scorer.evaluate(np.full((1, 3), NOTHING))
+    scorer, runner = evaluator(mesh)
+    fitness, tallies, steps = scorer.evaluate(np.full((1, 3), NOTHING))
     assert not runner.asked
+    assert steps == [()]
     assert (tallies[0] == scorer.root.tally).all()
     assert fitness[0] == scorer.problem.fitness.of(tallies, scorer.problem.setting.scoring)[0]
 
 
 def test_an_operation_has_its_price(mesh: ShellMesh) -> None:
-    scorer, _ = evaluator(job(mesh))
+    scorer, _ = evaluator(mesh)
     kind, scoring = scorer.problem.fitness, scorer.problem.setting.scoring
     tally = scorer.root.tally[None]
     assert kind.of(tally, scoring, 1)[0] < kind.of(tally, scoring, 0)[0]
 
 
-def test_the_best_procedure_makes_the_reported_mesh(mesh: ShellMesh) -> None:
-    events: list[Event] = []
-    work = job(mesh, islands=2)
-    done = finish(work, events)
-    last = [e for e in events if isinstance(e, GenerationReport) and e.generation == 2]
-    best = max(last, key=lambda e: e.best_so_far)
-    assert (best.trias, best.failed) == (done.after.trias, done.after.failed)
-    assert best.compound_qi == pytest.approx(done.after.compound_qi, rel=1e-9)
-    assert done.fitness == best.best_so_far
-    assert done.after.failed < done.before.failed
-    again = perform(mesh, done.procedure.steps, work.problem.operations, work.problem.setting)
-    assert again.digest == done.mesh.digest == done.procedure.result
+def test_a_procedure_ends_with_its_last_step_that_gains(mesh: ShellMesh) -> None:
+    """And its steps make the mesh of its tally."""
+    genomes = np.array([[0, 0, 0, 0, 0, 1, 1, 2], [1, 0, 2, 0, 2, 2, 2, 2]])
+    scorer, _ = evaluator(mesh)
+    fitness, tallies, steps = scorer.evaluate(genomes)
+    before = scorer.problem.fitness.of(scorer.root.tally[None], scorer.problem.setting.scoring)[0]
+    assert (fitness > before).all()
+    for tally, done in zip(tallies, steps, strict=True):
+        assert len(done[-1].parameters)
+        problem = scorer.problem
+        after = perform_steps(mesh, done, problem.operations, problem.setting)
+        np.testing.assert_allclose(Work(problem, after).root.tally, tally, rtol=1e-9, atol=1e-8)
+    assert len(steps[1]) <= 4
 
 
-def test_every_generation_of_every_island_is_reported(mesh: ShellMesh) -> None:
-    events: list[Event] = []
-    finish(job(mesh, islands=3), events)
-    assert isinstance(events[0], RunStarted)
-    assert isinstance(events[-1], RunFinished)
-    reports = [e for e in events if isinstance(e, GenerationReport)]
-    assert sorted((e.island, e.generation) for e in reports) == [
-        (i, g) for i in range(3) for g in range(3)
-    ]
-    for island in range(3):
-        best = [e.best_so_far for e in reports if e.island == island]
-        assert best == sorted(best)
+def test_evaluation_stops_where_it_is_enough(mesh: ShellMesh) -> None:
+    genomes = np.array([[0, 1, 0, 1], [1, 0, 0, 0]])
+    searching, all_asked = evaluator(mesh)
+    searching.evaluate(genomes)
+    content, asked = evaluator(mesh, is_enough=lambda _: True)
+    fitness, _, steps = content.evaluate(genomes)
+    assert len(asked.asked) == 2 < len(all_asked.asked)
+    assert all(len(done) <= 1 for done in steps)
+    assert len(fitness) == 2
 
 
-def test_seeds_repeat_and_differ(mesh: ShellMesh) -> None:
-    curves: list[list[float]] = []
-    for seed in (1, 1, 2):
-        events: list[Event] = []
-        finish(job(mesh, seed=seed), events)
-        curves.append([e.mean for e in events if isinstance(e, GenerationReport)])
-    assert curves[0] == curves[1] != curves[2]
+def test_a_work_is_solved_with_no_failed_element_and_the_fewest_trias(mesh: ShellMesh) -> None:
+    def tally(failed: int, trias: int) -> np.ndarray:
+        values = np.zeros(TALLY_SIZE)
+        values[[FAILED, TRIAS]] = failed, trias
+        return values
+
+    odd, never = Work(problem_of(mesh), mesh, 1), Work(problem_of(mesh), mesh)
+    assert odd.is_solved(tally(0, 1))
+    assert odd.is_solved(tally(0, 0))
+    assert not odd.is_solved(tally(0, 3))
+    assert not odd.is_solved(tally(1, 1))
+    assert not never.is_solved(tally(0, 0))
 
 
-def test_more_generations_continue_the_same_search(mesh: ShellMesh) -> None:
-    short: list[Event] = []
-    long: list[Event] = []
-    finish(job(mesh, generations=1), short)
-    finish(job(mesh, generations=2), long)
-    figures = [
-        [
-            (e.island, e.generation, e.best, e.mean)
-            for e in events
-            if isinstance(e, GenerationReport)
-        ]
-        for events in (short, long)
-    ]
-    assert figures[0] == [figure for figure in figures[1] if figure[1] < 2]
+# --- islands ------------------------------------------------------------------------------------
+
+
+def test_a_generation_is_a_pure_function_of_state_and_immigrants(mesh: ShellMesh) -> None:
+    first, _ = evaluator(mesh)
+    breeding = Breeding(individuals=4)
+    start = step(IslandState.first(0, 0), None, first, breeding, 3)
+    immigrants = emigrants(start, 1)
+    ahead = step(start, immigrants, first, breeding, 3)
+    fresh, _ = evaluator(mesh)  # as on a worker that was started anew
+    again = step(start, immigrants, fresh, breeding, 3)
+    assert (ahead.genomes == again.genomes).all()
+    assert (ahead.fitness == again.fitness).all()
+    assert ahead.best_fitness == again.best_fitness >= start.best_fitness
+
+
+def test_what_an_island_does_depends_on_its_mesh_and_not_on_the_number_of_its_work(
+    mesh: ShellMesh,
+) -> None:
+    breeding = Breeding(individuals=4)
+    one, other = (
+        step(IslandState.first(work, 0), None, evaluator(mesh)[0], breeding, 3) for work in (0, 7)
+    )
+    assert (one.genomes == other.genomes).all()
+    assert (one.tallies == other.tallies).all()
+    third = step(IslandState.first(0, 1), None, evaluator(mesh)[0], breeding, 3)
+    assert (one.genomes != third.genomes).any()
 
 
 def test_ring_sends_each_island_to_the_next() -> None:
@@ -186,7 +192,7 @@ def test_ring_sends_each_island_to_the_next() -> None:
 def state(island: int, fitness: list[float]) -> IslandState:
     genomes = np.arange(3 * len(fitness)).reshape(-1, 3)
     return replace(
-        IslandState.first(island), generation=1, genomes=genomes, fitness=np.array(fitness)
+        IslandState.first(0, island), generation=1, genomes=genomes, fitness=np.array(fitness)
     )
 
 
@@ -202,131 +208,7 @@ def test_the_best_leave_as_copies_and_replace_the_worst() -> None:
     assert settle(target, None).fitness.tolist() == [4.0, 2.0, 3.0]
 
 
-class ScriptedExecutor:
-    """Steps islands without a mesh, in an order of its own, and remembers who arrived when."""
-
-    def __init__(self, order: list[int]) -> None:
-        self.order = order
-        self.arrived: list[tuple[int, int, float]] = []
-
-    def advance(self, steps: Sequence[tuple[IslandState, Migrants | None]]):  # type: ignore[no-untyped-def]
-        for island in self.order:
-            before, immigrants = steps[island]
-            if immigrants is not None:
-                self.arrived.append((before.generation, island, float(immigrants.fitness[0])))
-            yield replace(
-                state(island, [float(10 * before.generation + island)] * 2),
-                generation=before.generation + 1,
-                best_fitness=float(before.generation),
-            )
-
-    def close(self) -> None:
-        pass
-
-
-def migrate(order: list[int]) -> tuple[ScriptedExecutor, list[Event], Result]:
-    executor, events = ScriptedExecutor(order), []  # type: ignore[var-annotated]
-    result = evolve_archipelago(
-        3,
-        5,
-        Migration(every=2, count=1),
-        executor,
-        events.append,
-        _report,  # type: ignore[arg-type]
-    )
-    return executor, events, result
-
-
-def _report(of: IslandState) -> GenerationReport:
-    return GenerationReport(of.island, of.generation, 0, 0, 0, 0, 0, 0, 0.0, 0, 0.0, "")
-
-
-def test_migrants_arrive_by_generation_whoever_is_ready_first() -> None:
-    one, events, _ = migrate([0, 1, 2])
-    other, _, _ = migrate([2, 0, 1])
-    # after generations 1 and 3, from each island to the next
-    assert sorted(one.arrived) == [
-        (2, 0, 12.0), (2, 1, 10.0), (2, 2, 11.0), (4, 0, 32.0), (4, 1, 30.0), (4, 2, 31.0)
-    ]  # fmt: skip
-    assert sorted(one.arrived) == sorted(other.arrived)
-    moves = [(e.generation, e.source, e.target) for e in events if isinstance(e, MigrationReport)]
-    assert moves == [(1, 0, 1), (1, 1, 2), (1, 2, 0), (3, 0, 1), (3, 1, 2), (3, 2, 0)]
-
-
-def test_a_generation_is_a_pure_function_of_state_and_immigrants(mesh: ShellMesh) -> None:
-    work = job(mesh)
-    first, _ = evaluator(work)
-    breeding = Breeding(individuals=4)
-    start = step(IslandState.first(0), None, first, breeding, 3)
-    ahead = step(start, None, first, breeding, 3)
-    fresh, _ = evaluator(work)  # as on a worker that was started anew
-    again = step(start, None, fresh, breeding, 3)
-    assert (ahead.genomes == again.genomes).all()
-    assert (ahead.fitness == again.fitness).all()
-    assert ahead.best_fitness == again.best_fitness
-
-
-def test_the_time_limit_ends_a_run_with_the_best_so_far(mesh: ShellMesh) -> None:
-    work = job(mesh, time_limit=60.0)
-    executor = LocalExecutor(work.problem, mesh, work.config.breeding, 3, deadline=-1.0)
-    done = run(work, executor, [].append, 0.0)
-    assert done.status == "time-limit"
-    assert done.mesh.digest == mesh.digest
-
-
-@pytest.mark.parametrize("operation", ["remesh", "replace-node"])
-def test_one_operation_ga_alone(mesh: ShellMesh, operation: str) -> None:
-    events: list[Event] = []
-    work = job(mesh, operation=operation, profile="paper", generations=3, population=8, islands=1)
-    done = finish(work, events)
-    reports = [e for e in events if isinstance(e, GenerationReport)]
-    assert [e.generation for e in reports] == [0, 1, 2, 3]
-    assert done.fitness == 100 - done.after.trias == reports[-1].best_so_far
-    assert done.evaluations == 4 * 8
-    assert reports[-1].failed == done.after.failed
-
-
-def test_a_default_run_never_makes_a_mesh_worse(mesh: ShellMesh) -> None:
-    for operation in ("remesh", "replace-node"):
-        done = finish(job(mesh, operation=operation, generations=1, population=2, islands=1))
-        assert (done.after.failed, done.after.trias) <= (done.before.failed, done.before.trias)
-
-
-@pytest.fixture(scope="module")
-def ray_here():  # type: ignore[no-untyped-def]
-    ray = pytest.importorskip("ray")
-    from islands.executors.ray import connect
-
-    connect(None)
-    yield ray
-    ray.shutdown()
-
-
-@pytest.mark.parametrize("islands", [1, 2, 4])
-def test_ray_and_local_give_the_same_digest(ray_here, mesh: ShellMesh, islands: int) -> None:  # type: ignore[no-untyped-def]
-    here = finish(job(mesh, islands=islands))
-    there = finish(job(mesh, islands=islands, backend="ray"))
-    assert there.mesh.digest == here.mesh.digest
-    assert there.text == here.text
-    assert there.fitness == here.fitness
-
-
-def test_an_actor_that_dies_is_asked_again(ray_here, mesh: ShellMesh) -> None:  # type: ignore[no-untyped-def]
-    work = job(mesh, islands=2, backend="ray")
-    executor = start_executor(work, float("inf"))
-    states = [IslandState.first(i) for i in range(2)]
-    try:
-        for after in executor.advance([(s, None) for s in states]):
-            states[after.island] = after
-        ray_here.kill(executor._actors[0])  # type: ignore[attr-defined]
-        second = {s.island: s for s in executor.advance([(s, None) for s in states])}
-    finally:
-        executor.close()
-    local = start_executor(job(mesh, islands=2), float("inf"))
-    expected = {s.island: s for s in local.advance([(s, None) for s in states])}
-    for island in range(2):
-        assert (second[island].genomes == expected[island].genomes).all()
-        assert (second[island].fitness == expected[island].fitness).all()
+# --- settings -----------------------------------------------------------------------------------
 
 
 def test_config_of_the_paper() -> None:
@@ -335,4 +217,13 @@ def test_config_of_the_paper() -> None:
     assert (config.population, config.generations, config.genes) == (10, 10, 10)
     assert (config.crossover, config.mutation, config.elites) == (0.95, 0.05, 0)
     assert config.operation_breeding.individuals == config.operation_breeding.generations == 10
+    assert [operation.code for operation in config.operations] == [0, 1]
     assert isinstance(config, Config)
+
+
+@pytest.mark.parametrize("profile", ["default", "thorough"])
+def test_the_plan_has_an_extent_for_each_pair_of_rings_and_elements(profile: str) -> None:
+    config = load_config(None, {"profile": profile, "rings": [2, 5], "largest": [30, 90]})
+    extents = [(extent.rings, extent.elements) for extent in config.plan.extents]
+    assert extents == [(2, 30), (5, 90)]
+    assert config.improving

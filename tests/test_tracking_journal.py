@@ -18,6 +18,7 @@ from tracking.events import (
     GenerationReport,
     MeshSummary,
     MigrationReport,
+    RoundReport,
     RunFinished,
     RunStarted,
 )
@@ -67,7 +68,20 @@ ends = st.builds(
     procedure=words,
     digest=words,
 )
-events = st.lists(reports | migrations | starts | ends, max_size=12)
+rounds = st.builds(
+    RoundReport,
+    turn=counts,
+    rings=counts,
+    places=counts,
+    changed=counts,
+    solved=counts,
+    failed=counts,
+    trias=counts,
+    evaluations=counts,
+    seconds=figures,
+    rates=st.dictionaries(words, figures, max_size=3),
+)
+events = st.lists(reports | migrations | rounds | starts | ends, max_size=12)
 
 REPORT = GenerationReport(0, 0, 9.0, 8.0, 7.0, 9.0, 3, 2, 1.5, 10, 0.5, "0 1-2\n2 -")
 MOVE = MigrationReport(5, 0, 1, 92.0, (2, 0, 1))

@@ -13,7 +13,7 @@ import pytest
 from tracking import mlflow_recorder
 from tracking.dashboard import charts_link, dashboard_command, serve_dashboard
 from tracking.errors import TrackingError
-from tracking.events import GenerationReport, MeshSummary, RunFinished, RunStarted
+from tracking.events import GenerationReport, MeshSummary, RoundReport, RunFinished, RunStarted
 from tracking.mlflow_recorder import MlflowRecorder
 
 ROOT = Path(__file__).parents[1]
@@ -152,10 +152,13 @@ def test_a_resumed_run_goes_on_in_its_record(client, experiment, outputs_and_sto
     recorder = MlflowRecorder(f"sqlite:///{outputs_and_store[1]}", notify=sentences.append)
     recorder.record(replace(START, run_id="run-2", settings={"ga.size": 20, "more": 1}))
     recorder.record(report(0, GENERATIONS))
+    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 4200, 33.3, {"swap-edge": 0.25}))
     recorder.record(END)
     recorder.close()
     assert sentences == []
     parent, children = family(client, experiment, "run-2")
+    assert curve(client, parent, "round/failed") == {3: 9.0}
+    assert curve(client, parent, "rate/swap-edge") == {3: 0.25}
     assert [run.info.status for run in (parent, *children)] == ["FINISHED"] * 3
     assert set(curve(client, children[0], "fitness/best")) == set(range(GENERATIONS + 1))
     assert parent.data.params["ga.size"] == "10"

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracking.events import GenerationReport, MeshSummary, RunFinished, RunStarted
+from tracking.events import GenerationReport, MeshSummary, RoundReport, RunFinished, RunStarted
 from tracking.fanout import Fanout
 from tracking.metrics import Metrics
 from tracking.overview import ALL_ISLANDS, Overview
@@ -18,6 +18,8 @@ BEFORE = MeshSummary(elements=120, quads=109, trias=11, failed=12, compound_qi=3
 AFTER = MeshSummary(elements=98, quads=94, trias=4, failed=0, compound_qi=0.5)
 START = RunStarted("plate", "id", 7, "local", 2, {"islands": 2}, BEFORE)
 END = RunFinished("finished", "all generations done", AFTER, 96.0, 12.3, 1200, "0 1-2\n2 -", "abc")
+
+ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 4200, 33.35, {"remesh": 0.25, "nothing": 0.75})
 
 
 def report(island=1, generation=3, best=90.0, best_so_far=92.0):
@@ -101,6 +103,18 @@ def test_metrics_of_a_run():
         "cost/evaluations": 1200.0,
         "cost/seconds": 12.34,
     }
+    points = list(metrics.points(ROUND, 3))
+    assert {(p.island, p.timestamp, p.step) for p in points} == {(ALL_ISLANDS, 3, 5)}
+    assert {p.key: p.value for p in points} == {
+        "round/places": 12.0,
+        "round/changed": 7.0,
+        "round/solved": 4.0,
+        "round/rings": 3.0,
+        "round/failed": 9.0,
+        "round/trias": 6.0,
+        "rate/remesh": 0.25,
+        "rate/nothing": 0.75,
+    }
     points = list(metrics.points(END, 4))
     assert {p.island for p in points} == {ALL_ISLANDS}
     assert {(p.key, p.value) for p in points} >= {("fitness/best", 90.0), ("after/failed", 0.0)}
@@ -128,13 +142,14 @@ def test_lines_of_a_run():
     stream = io.StringIO()
     lines = progress(stream)
     assert isinstance(lines, ProgressLines)
-    for event in (START, report(), END):
+    for event in (START, report(), ROUND, END):
         lines.record(event)
     lines.close()
     assert stream.getvalue().splitlines() == [
         "plate  seed 7  2 islands  local  before: 120 elements  failed 12  trias 11  Q.I. 3.21",
         "generation 3  island 1  fitness 92.000  failed 4  trias 8  Q.I. 1.23  evaluations 1200  "
         "12.3 s",
+        "round 5  12 places of 3 rings  7 better, 4 without a fault  failed 9  trias 6  33.4 s",
         "finished: all generations done  fitness 96.000  evaluations 1200  12.3 s",
     ]
 
@@ -149,6 +164,7 @@ def test_terminal_gets_a_table_with_a_row_an_island(monkeypatch):
     display.record(report(island=1, generation=3))
     display.record(report(island=0, generation=2))
     display.record(report(island=1, generation=4))
+    display.record(ROUND)
     display.record(END)
     display.close()
     display.close()

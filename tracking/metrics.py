@@ -5,7 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from tracking.events import Event, GenerationReport, MeshSummary, RoundReport, RunFinished, RunStarted
+from tracking.events import (
+    Event,
+    GenerationReport,
+    MeshSummary,
+    RoundReport,
+    RunFinished,
+    RunStarted,
+)
 from tracking.overview import ALL_ISLANDS, Overview
 
 

@@ -67,7 +67,7 @@ class _Islands:
     def step(
         self, steps: list[tuple[IslandState, Migrants | None]], deadline: float
     ) -> list[IslandState]:
-        """Step islands by one generation each; those that the time did not suffice for are left out."""
+        """Step islands by one generation each; less of them where time is up."""
         seconds = time.monotonic() + deadline - time.time()
         states = []
         try:

@@ -62,7 +62,7 @@ class MaterialDirections:
         An element that is new, or whose nodes are others or elsewhere, takes the direction of the
         nearest original element of its region.
         """
-        touched = np.isin(mesh.elements, change.moved).any(axis=1)
+        touched: Bools = np.asarray(np.isin(mesh.elements, change.moved).any(axis=1))
         touched[change.rewired] = True
         touched[change.new_elements] = True
         rows = np.flatnonzero(touched & np.isin(mesh.region, self.region))

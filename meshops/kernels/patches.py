@@ -56,7 +56,7 @@ def _walk(
     tail: int,
     most: int,
 ) -> int:
-    """Number the elements around those in the queue by breadth; the new end of the queue.
+    """Give rings to the elements around those in the queue; return its new end.
 
     Only elements that are allowed and have ``FAR`` are visited, up to ring `most`.
     """

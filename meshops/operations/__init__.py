@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from meshops.operations.collapse_chord import CollapseChord
 from meshops.operations.collapse_diagonal import CollapseDiagonal
+from meshops.operations.create_nodes import CreateNodes
+from meshops.operations.edit_element import EditElement
 from meshops.operations.join_trias import JoinTrias
 from meshops.operations.open_diagonal import OpenDiagonal
 from meshops.operations.protocol import Operation, SearchSpace
@@ -13,6 +15,7 @@ from meshops.operations.remove_doublet import RemoveDoublet
 from meshops.operations.replace_chain import ReplaceChain
 from meshops.operations.replace_node import ReplaceNode, ReplaceNodePairs
 from meshops.operations.smooth import Smooth
+from meshops.operations.split_quad import SplitQuad
 from meshops.operations.swap_edge import SwapEdge
 from meshops.operations.transport_tria import TransportTria
 
@@ -25,6 +28,7 @@ PAPER_OPERATIONS: tuple[Operation, ...] = (RemeshRanges(), ReplaceNodePairs())
 OPERATIONS: tuple[Operation, ...] = (
     SwapEdge(),
     JoinTrias(),
+    SplitQuad(),
     TransportTria(),
     CollapseDiagonal(),
     OpenDiagonal(),
@@ -32,6 +36,8 @@ OPERATIONS: tuple[Operation, ...] = (
     CollapseChord(),
     Smooth(),
     ReplaceChain(),
+    CreateNodes(pool=30),
+    EditElement(pool=30),
     Remesh(),
     ReplaceNode(),
 )

@@ -7,7 +7,7 @@ import numpy as np
 from meshops.kernels.judging import judge_candidates
 from meshops.kernels.quality import ELEMENTS
 from meshops.kernels.smoothing import elements_of_nodes
-from meshops.kernels.surface import bounding_spheres, nearest
+from meshops.kernels.surface import nearest
 from meshops.mesh import Bools, Floats
 from meshops.operations.candidates import Candidates
 from meshops.surface import PLANE_TOLERANCE, PatchSurface
@@ -70,7 +70,7 @@ def _leaves_surface(
         distance = np.abs((queries - surface.points[0]) @ surface.plane)
         limit = np.full(len(queries), PLANE_TOLERANCE * float(np.ptp(surface.points, axis=0).max()))
     else:
-        spheres = bounding_spheres(surface.points, surface.trias)
+        spheres = surface.spheres
         distance = nearest(queries, surface.points, surface.trias, spheres)[1]
         limit = SURFACE_TOLERANCE * edges[owners]
     leaves = np.zeros(len(candidates), bool)

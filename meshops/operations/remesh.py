@@ -9,20 +9,31 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.patches import disc, nearby, strip
 from meshops.kernels.quality import TALLY_SIZE
-from meshops.methods import METHODS
 from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.methods import METHODS
 from meshops.patch import components, join
 from meshops.remeshing import replace_patch
 from meshops.workpiece import Workpiece
 
-SIZES = (1.0, 0.9, 1.1, 0.8, 1.25)
-"""Edge length of the new elements, over that of the run or of the patch."""
+LOCAL, WANTED = "of the place", "of the criteria"
+
+SIZES = (
+    (LOCAL, 1.0),
+    (WANTED, 1.0),
+    (LOCAL, 0.9),
+    (LOCAL, 1.1),
+    (WANTED, 0.85),
+    (WANTED, 1.2),
+    (LOCAL, 0.8),
+    (LOCAL, 1.25),
+)
+"""Edge length of the new elements, over that of the place (or of the run, where the user gives one)
+or over the length that the criteria take for ideal."""
 
 MOST_RINGS = 7
 
 SHIFTS = 12
 """Elements near the bad one that a disc may be centred on."""
-
 
 
 @dataclass(frozen=True)
@@ -44,17 +55,23 @@ class Remesh:
         return RemeshSpace(workpiece)
 
     def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
-        """Remesh places (K, 6); a rank that the mesh does not have is left out."""
-        edits = []
-        for place in parameters:
-            edits = [edit for edit, _ in remesh_place(workpiece, place) if not edit.is_empty]
-        return join(workpiece.mesh, edits)
+        """Remesh the place (1, 6); none where the mesh does not have its ranks."""
+        if not len(parameters):
+            return Edit()
+        if len(parameters) > 1:
+            raise ValueError("Remesh takes one place at a time")
+        done = remesh_place(workpiece, parameters[0])
+        return join(workpiece.mesh, [edit for edit, _ in done if not edit.is_empty])
 
     def format(self, parameters: Ints) -> str:
-        """Places as ``3+2 r4 100% front``: rank and shift, rings, size; ``3-5`` for a strip."""
+        """Places as ``3+2 r4 100% front``: rank and shift, rings, size; ``3-5`` for a strip.
+
+        ``100%!`` is a share of the length that the criteria take for ideal.
+        """
         return " ".join(
             f"{rank}{f'-{other}' if other else ''}{f'+{shift}' if shift else ''} r{rings} "
-            f"{100 * SIZES[size]:.0f}% {METHODS[method].name}"
+            f"{100 * SIZES[size][1]:.0f}%{'!' if SIZES[size][0] is WANTED else ''} "
+            f"{METHODS[method].name}"
             for rank, shift, rings, other, size, method in parameters
         )
 
@@ -80,7 +97,7 @@ class RemeshSpace:
 
     def parameters(self, genome: Ids) -> Ints:
         """(1, 6) int32: the place, its ranks from 1; no row where it cannot be remeshed."""
-        place = (genome + np.array([1, 0, 1, 0, 0, 0])).astype(np.int32)[None]
+        place = _place(genome)[None]
         return place if self._change(genome) is not None else place[:0]
 
     def evaluate(self, genomes: Ids) -> Floats:
@@ -95,12 +112,19 @@ class RemeshSpace:
     def _change(self, genome: Ids) -> Floats | None:
         key = genome.tobytes()
         if key not in self._changes:
-            place = (genome + np.array([1, 0, 1, 0, 0, 0])).astype(np.int32)
             done = [
-                change for edit, change in remesh_place(self.workpiece, place) if not edit.is_empty
+                change
+                for edit, change in remesh_place(self.workpiece, _place(genome))
+                if not edit.is_empty
             ]
             self._changes[key] = np.sum(done, axis=0) if done else None
         return self._changes[key]
+
+
+def _place(genome: Ids) -> Ints:
+    """(6,) int32 parameters of a genome (6,): the rank is counted from 1, rings too."""
+    place: Ints = (genome + np.array([1, 0, 1, 0, 0, 0])).astype(np.int32)
+    return place
 
 
 def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]:
@@ -108,8 +132,15 @@ def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]
     *_, size, method = place
     if not (0 <= size < len(SIZES) and 0 <= method < len(METHODS)):
         raise ValueError(f"a place to remesh has no size {size} or method {method}")
+    base, scale = SIZES[size]
     return [
-        replace_patch(workpiece, rows, method=METHODS[method].remesh, scale=SIZES[size])
+        replace_patch(
+            workpiece,
+            rows,
+            method=METHODS[method].remesh,
+            size=workpiece.setting.scoring.size if base is WANTED else None,
+            scale=scale,
+        )
         for rows in components(workpiece.topology, select(workpiece, place))
     ]
 

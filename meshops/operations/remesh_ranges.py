@@ -9,8 +9,8 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.selection import select_ranges
 from meshops.mesh import Floats, Ids, Ints
-from meshops.remeshing import replace_patch
 from meshops.patch import components, join
+from meshops.remeshing import replace_patch
 from meshops.workpiece import Workpiece
 
 

@@ -59,7 +59,7 @@ class SiteOperation(ABC):
     """
 
     picks: int = 4
-    pool: int = 400
+    pool: int = 100
     variants: ClassVar[int] = 1
     nested: ClassVar[bool] = False
 

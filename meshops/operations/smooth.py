@@ -9,7 +9,6 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.optimising import optimise
 from meshops.kernels.patches import disc
-from meshops.kernels.surface import bounding_spheres
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
@@ -17,8 +16,8 @@ from meshops.workpiece import Workpiece
 METHODS = ("laplace", "worst", "even")
 """As the kernel numbers them."""
 
-RINGS = (1, 2, 3, 4, 5, 6, 8, 30)
-"""Rings that a gene chooses of; the last covers a whole subdomain."""
+RINGS = (1, 2, 3, 4)
+"""Rings that a gene chooses of; parameters may have more."""
 
 NO_TRIAS = np.zeros((0, 3), np.int32)
 
@@ -76,7 +75,7 @@ class SmoothSpace:
         curved = surface.plane is None
         self._plane: Floats = np.zeros(3) if surface.plane is None else surface.plane
         self._trias = surface.trias if curved else NO_TRIAS
-        self._spheres = bounding_spheres(surface.points, self._trias)
+        self._spheres = surface.spheres if curved else np.zeros((0, 4))
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
         """Places near the worst elements more often than others, half of them alone."""

@@ -1,0 +1,295 @@
+"""Rounds: what a run over all bad places keeps, how it ends, and that it can be done again."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pytest
+
+from islands.archipelago import TimeUpError
+from islands.executors.local import LocalExecutor
+from islands.island import IslandState, Migrants
+from islands.procedure import Place, Procedure, Round, Step, perform
+from islands.rounds import adapted_rates, credits_of
+from islands.run import Finished, run
+from meshops.examples import plate
+from meshops.mesh import ShellMesh
+from meshops.operations import ALL_OPERATIONS
+from meshops.subdomain import Extent
+from tests.decks import bad_plate
+from tests.jobs import faults, finish, job, problem_of
+from tests.measures import barriers
+from tests.meshes import cylinder, joined, rib, shaped, sheet, with_, with_random_locks
+from tests.wholeness import (
+    assert_ids_are_kept,
+    assert_nothing_locked_has_changed,
+    assert_sound,
+    assert_zones_are_whole,
+)
+from tracking.events import Event, GenerationReport, RoundReport
+
+Events = list[Event]
+
+
+@pytest.fixture(scope="module")
+def mesh() -> ShellMesh:
+    return bad_plate()
+
+
+@pytest.fixture(scope="module")
+def finished(mesh: ShellMesh) -> tuple[Finished, Events]:
+    events: Events = []
+    return finish(job(mesh), events), events
+
+
+def replayed(mesh: ShellMesh, done: Finished) -> ShellMesh:
+    """The mesh that the run's procedure makes, after a journey through JSON."""
+    text = done.procedure.to_json(ALL_OPERATIONS)
+    procedure = Procedure.from_json(text, ALL_OPERATIONS, "procedure.json")
+    assert procedure.to_json(ALL_OPERATIONS) == text
+    assert procedure.text(ALL_OPERATIONS) == done.text
+    setting = procedure.setting(len(mesh.elements))
+    return perform(mesh, procedure.rounds, ALL_OPERATIONS, setting)
+
+
+def tall(mesh: ShellMesh) -> ShellMesh:
+    """Elements of 5 by 5, as the jobs are for."""
+    return with_(mesh, points=5.0 * mesh.points)
+
+
+def with_a_fault_for_ever(mesh: ShellMesh) -> ShellMesh:
+    """Two locked nodes of the border nearly touch: no operation can mend the quad there."""
+    points = mesh.points.copy()
+    points[1] = points[0] + (0.0, 0.2, 0.0)
+    locked = np.zeros(len(points), bool)
+    locked[:2] = True
+    return with_(mesh, points=points, locked_nodes=locked)
+
+
+# --- what comes out -----------------------------------------------------------------------------
+
+
+def test_the_plate_of_the_paper_is_solved() -> None:
+    mesh = plate()
+    events: Events = []
+    done = finish(job(mesh, seed=1), events)
+    assert (done.after.failed, done.after.trias) in [(0, 0), (0, 1)]
+    assert done.status == "finished"
+    assert events[-1].reason == "nothing is left to gain"  # type: ignore[union-attr]
+    assert barriers(done.mesh) == barriers(mesh)
+    assert_sound(done.mesh)
+    assert replayed(mesh, done).digest == done.mesh.digest
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        tall(with_random_locks(sheet(9, 7, seed=1, jitter=0.3, trias=0.3), np.random.default_rng(0),
+                               nodes=0.08, elements=0.08)),
+        tall(cylinder(sheet(8, 6, seed=2, jitter=0.2, trias=0.3))),
+        tall(joined(shaped(sheet(6, 3, seed=3, jitter=0.2, trias=0.4),
+                           lambda x, y: (x, y - 3, 0 * x)),
+                    sheet(6, 3, seed=4, jitter=0.2, trias=0.4), rib(3, 2, at=0.0, start=1.0))),
+    ],
+    ids=["locks", "cylinder", "rib"],
+)  # fmt: skip
+def test_a_part_gets_better_and_all_that_is_to_stay_stays(part: ShellMesh) -> None:
+    done = finish(job(part, rounds=6))
+    assert faults(done.mesh) < faults(part)
+    assert set(done.mesh.element_ids[~np.isin(done.mesh.element_ids, part.element_ids)]) <= {0}
+    assert_nothing_locked_has_changed(part, done.mesh)
+    assert_ids_are_kept(part, done.mesh)
+    assert_zones_are_whole(part, done.mesh, area=0.05)
+    assert barriers(done.mesh) == barriers(part)
+    assert replayed(part, done).digest == done.mesh.digest
+
+
+def test_the_best_of_all_rounds_is_kept(mesh: ShellMesh, finished: tuple[Finished, Events]) -> None:
+    done, events = finished
+    rounds = [e for e in events if isinstance(e, RoundReport)]
+    figures = [(e.failed, e.trias) for e in rounds]
+    assert faults(done.mesh) == (done.after.failed, done.after.trias) == min(figures)
+    assert figures[len(done.procedure.rounds) - 1] == min(figures) < faults(mesh)
+    assert len(done.procedure.rounds) == 1 + figures.index(min(figures))
+
+
+def test_a_mesh_without_fault_is_left_alone() -> None:
+    mesh = tall(sheet(5, 4))
+    events: Events = []
+    done = finish(job(mesh), events)
+    assert done.mesh.digest == mesh.digest
+    assert done.procedure.rounds == ()
+    assert events[-1].reason == "nothing is left to gain"  # type: ignore[union-attr]
+    assert replayed(mesh, done).digest == mesh.digest
+
+
+def test_patience_ends_where_nothing_more_can_be_gained() -> None:
+    """And what was tried in vain, with other aims too, is no part of the procedure."""
+    mesh = with_a_fault_for_ever(bad_plate())
+    events: Events = []
+    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60]), events)
+    assert "brought no gain" in events[-1].reason  # type: ignore[union-attr]
+    assert (1, 0) <= faults(done.mesh) < faults(mesh)
+    rounds = [e for e in events if isinstance(e, RoundReport)]
+    assert {e.rings for e in rounds} == {2, 4}
+    assert len(done.procedure.rounds) < len(rounds) < 40
+    assert faults(done.mesh) == min((e.failed, e.trias) for e in rounds)
+    assert replayed(mesh, done).digest == done.mesh.digest
+    assert_nothing_locked_has_changed(mesh, done.mesh)
+
+
+def test_the_rounds_of_a_run_can_be_limited(mesh: ShellMesh) -> None:
+    events: Events = []
+    done = finish(job(mesh, rounds=1), events)
+    assert len(done.procedure.rounds) == 1
+    assert finish(job(mesh, rounds=0)).mesh.digest == mesh.digest
+
+
+# --- the same again -----------------------------------------------------------------------------
+
+
+def test_a_procedure_comes_back_from_json_and_makes_the_same_mesh(
+    mesh: ShellMesh, finished: tuple[Finished, Events]
+) -> None:
+    assert replayed(mesh, finished[0]).digest == finished[0].mesh.digest
+    assert finished[0].procedure.result == finished[0].mesh.digest
+
+
+def test_the_same_seed_makes_the_same_mesh_in_any_batches(
+    mesh: ShellMesh, finished: tuple[Finished, Events], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("islands.rounds.BATCH", 2)
+    again = finish(job(mesh))
+    assert again.mesh.digest == finished[0].mesh.digest
+    assert again.text == finished[0].text
+
+
+def test_another_seed_searches_otherwise(
+    mesh: ShellMesh, finished: tuple[Finished, Events]
+) -> None:
+    assert finish(job(mesh, seed=2)).mesh.digest != finished[0].mesh.digest
+
+
+# --- how it ends --------------------------------------------------------------------------------
+
+
+class EndingExecutor(LocalExecutor):
+    """Ends after so many generations of all islands, as the clock or the user would."""
+
+    def __init__(self, error: type[BaseException], generations: int) -> None:
+        config = job(bad_plate()).config
+        super().__init__(config.breeding, config.genes)
+        self.error = error
+        self.left = generations
+
+    def advance(
+        self, steps: Sequence[tuple[IslandState, Migrants | None]]
+    ) -> Iterator[IslandState]:
+        self.left -= 1
+        for number, state in enumerate(super().advance(steps)):
+            if self.left <= 0 and number == len(steps) // 2:
+                raise self.error
+            yield state
+
+
+@pytest.mark.parametrize("generations", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("error", "status"), [(TimeUpError, "time-limit"), (KeyboardInterrupt, "interrupted")]
+)
+def test_an_end_before_the_end_keeps_what_was_done(
+    mesh: ShellMesh, error: type[BaseException], status: str, generations: int
+) -> None:
+    done = finish(job(mesh), executor=EndingExecutor(error, generations))
+    assert done.status == status
+    assert faults(done.mesh) < faults(mesh)
+    assert replayed(mesh, done).digest == done.mesh.digest
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_an_interrupt_between_two_generations_keeps_what_was_done(
+    mesh: ShellMesh, finished: tuple[Finished, Events], number: int
+) -> None:
+    """Where rounds are short, Ctrl-C mostly comes while one is told, stitched or cut out."""
+    rounds = [event for event in finished[1] if isinstance(event, RoundReport)]
+
+    def record(event: Event) -> None:
+        if isinstance(event, RoundReport) and event.turn == rounds[number].turn:
+            raise KeyboardInterrupt
+
+    work = job(mesh)
+    executor = LocalExecutor(work.config.breeding, work.config.genes)
+    try:
+        done = run(work, executor, record, 0.0)
+    except KeyboardInterrupt:
+        pytest.fail("the interruption has taken the whole run with it")
+    assert done.status == "interrupted"
+    assert len(done.procedure.rounds) in (number, number + 1)
+    assert faults(done.mesh) <= faults(mesh)
+    assert replayed(mesh, done).digest == done.mesh.digest
+
+
+def test_without_any_time_the_mesh_stays_as_it_is(mesh: ShellMesh) -> None:
+    work = job(mesh, time_limit=60.0)
+    executor = LocalExecutor(work.config.breeding, work.config.genes, deadline=-1.0)
+    done = finish(work, executor=executor)
+    assert done.status == "time-limit"
+    assert done.mesh.digest == mesh.digest == replayed(mesh, done).digest
+
+
+# --- what is told -------------------------------------------------------------------------------
+
+
+def test_rounds_and_generations_are_told_in_order(finished: tuple[Finished, Events]) -> None:
+    done, events = finished
+    rounds = [e for e in events if isinstance(e, RoundReport)]
+    kept = done.procedure.rounds
+    assert [e.turn for e in rounds[: len(kept)]] == [r.turn for r in kept]
+    assert [e.places for e in rounds[: len(kept)]] == [len(r.places) for r in kept]
+    assert all(e.places >= e.changed >= e.solved for e in rounds)
+    for island in range(2):
+        reports = [e for e in events if isinstance(e, GenerationReport) and e.island == island]
+        numbers = [e.generation for e in reports]
+        assert numbers == sorted(set(numbers))
+        best = [e.best_so_far for e in reports]
+        assert best == pytest.approx(sorted(best))
+    assert rounds[-1].evaluations == done.evaluations
+    evaluations = [e.evaluations for e in rounds]
+    assert evaluations == sorted(evaluations)
+
+
+def test_the_rates_that_are_told_are_those_that_were_adapted(
+    finished: tuple[Finished, Events],
+) -> None:
+    rates = [e.rates for e in finished[1] if isinstance(e, RoundReport)]
+    names = {operation.name for operation in job(bad_plate()).problem.operations} | {"nothing"}
+    for each in rates:
+        assert set(each) == names
+        assert sum(each.values()) == pytest.approx(1.0, abs=1e-2)
+    assert len(set(rates[0].values())) == 1
+    assert len(rates) < 2 or len(set(rates[1].values())) > 1
+
+
+# --- rates --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("credit", [[0, 0, 0, 0], [5, 0, 0, 0], [1, 2, 3, 4], [0, 1e-9, 0, 0]])
+def test_rates_are_shares_and_nothing_is_given_up(credit: list[float]) -> None:
+    rates = adapted_rates(np.array(credit, float))
+    assert rates.sum() == pytest.approx(1.0)
+    assert rates.min() > 0.05
+    assert (np.argsort(rates, kind="stable") == np.argsort(credit, kind="stable")).all()
+
+
+def test_what_never_paid_off_is_drawn_less_than_before() -> None:
+    assert adapted_rates(np.zeros(4)).tolist() == [0.25] * 4
+    assert adapted_rates(np.array([0.0, 9.0, 0.0, 0.0]))[0] < 0.25
+
+
+def test_credit_is_for_steps_that_did_something(mesh: ShellMesh) -> None:
+    some, none = np.ones((1, 2), np.int32), np.zeros((0, 2), np.int32)
+    places = (
+        Place((0.0, 0.0, 0.0), (Step(0, some), Step(2, none), Step(1, none), Step(0, some))),
+        Place((0.0, 0.0, 0.0), (Step(1, some),)),
+        Place((0.0, 0.0, 0.0), ()),
+    )
+    credit = credits_of(Round(Extent(2, 9), 0, places), problem_of(mesh))
+    assert credit.tolist() == [2, 1, 0]
