@@ -11,11 +11,12 @@ import numpy as np
 from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
-from islands.procedure import Place, Round, perform_steps, subdomain_setting
+from islands.procedure import Place, Round, Step, perform_steps, subdomain_setting
 from islands.reporter import Reporter
 from meshops.edit import apply
 from meshops.kernels.quality import FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
+from meshops.operations.smooth import METHODS, Smooth
 from meshops.patch import join
 from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, places, subdomains
@@ -31,6 +32,12 @@ LEAST_RATE = 0.3
 FADING = 0.7
 """Of an operation's credit that lasts to the next round."""
 
+WORTHWHILE = 0.02
+"""Faults that a round removes, per subdomain, for which the next one keeps its extent."""
+
+POLISH = Step(Smooth().code, np.array([[1, 40, METHODS.index("even")]], np.int32))
+"""Smoothing of all nodes around the worst element, far enough for a subdomain of usual size."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -39,11 +46,11 @@ class Plan:
     Attributes
     ----------
     extents : tuple of Extent
-        From small to large; the next one follows where a round has gained nothing.
+        From small to large; the next one follows where a round has gained too little.
     rounds : int
         The most.
     patience : int
-        Rounds without a gain at the largest extent after which the run ends.
+        Times that all extents bring no gain, one after the other, after which the run ends.
     """
 
     extents: tuple[Extent, ...]
@@ -77,96 +84,162 @@ def evolve_rounds(
     What one subdomain becomes does not depend on the others of its round, so the work grows with
     the number of bad places and can be shared out.
     """
-    credit = np.zeros(len(problem.codes))
-    rounds: list[Round] = []
-    evaluations = batches = level = cycle = best_rounds = 0
-    best_mesh, best_tally = mesh, Workpiece(mesh, problem.setting).tally
-    status: Status = "finished"
-    reason = "all rounds are done"
-    try:
-        for turn in range(plan.rounds):
-            workpiece = Workpiece(mesh, problem.setting)
-            found = subdomains(workpiece, plan.extents[level], turn)
-            if not found and level + 1 < len(plan.extents) and len(places(workpiece)):
-                level += 1  # each fault has a subdomain whose border does not allow less
-                continue
-            if not found:
-                reason = "nothing is left to gain"
-                break
-            drawn = replace(moving_on(problem, cycle), weights=adapted_rates(credit), turn=turn)
-            works = [subdomain_work(drawn, reference, subdomain) for subdomain in found]
-            tally = workpiece.tally
-            best: list[IslandState] = []
-            for first in range(0, len(works), BATCH):
-                batch = works[first : first + BATCH]
-                roots = np.stack([work.root.tally for work in batch])
-                reporter = Reporter(
-                    record=record,
-                    setting=problem.setting,
-                    operations=problem.operations,
-                    tally=tally,
-                    roots=roots,
-                    generation=batches * (schedule.generations + 1),
-                    evaluations=evaluations,
-                    started=started,
-                )
-                effort = replace(schedule, generations=min(level + cycle, schedule.generations))
-                result = evolve_archipelago(batch, effort, executor, reporter.watch, reporter.post)
-                best += result.best
-                tally = tally + sum(
-                    s.best_tally - r
-                    for s, r in zip(result.best, roots, strict=True)
-                    if s.best_steps
-                )
-                evaluations += result.evaluations
-                batches += 1
-                status = result.status
+    search = _Search(problem, mesh, reference, plan, schedule, executor, record, started)
+    return search.run()
+
+
+class _Search:
+    """A search on its way from round to round."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        mesh: ShellMesh,
+        reference: Reference,
+        plan: Plan,
+        schedule: Schedule,
+        executor: Executor,
+        record: Callable[[Event], None],
+        started: float,
+    ) -> None:
+        self.problem = problem
+        self.reference = reference
+        self.plan = plan
+        self.schedule = schedule
+        self.executor = executor
+        self.record = record
+        self.started = started
+        self.workpiece = Workpiece(mesh, problem.setting)
+        self.best = self.workpiece
+        self.rounds: list[Round] = []
+        self.best_rounds = 0
+        self.credit = np.zeros(len(problem.codes))
+        self.evaluations = 0
+        self.batches = 0
+        self.level = 0
+        self.cycle = 0
+
+    def run(self) -> Evolution:
+        """Go on from round to round until there is a reason to stop."""
+        status: Status = "finished"
+        reason = "all rounds are done"
+        try:
+            for turn in range(self.plan.rounds):
+                found = subdomains(self.workpiece, self.plan.extents[self.level], turn)
+                if not found and self._has_larger_extent and len(places(self.workpiece)):
+                    self.level += 1  # each fault has a subdomain whose border does not allow less
+                    continue
+                if not found:
+                    reason = "nothing is left to gain"
+                    break
+                status = self._do_round(turn, found)
                 if status != "finished":
                     break
-            done = Round(
-                plan.extents[level],
-                turn,
-                tuple(
-                    Place(tuple(subdomain.centre.tolist()), state.best_steps)
-                    for subdomain, state in zip(found, best, strict=False)
-                ),
-            )
-            mesh = _stitched(mesh, found, works, done)
-            rounds.append(done)
-            credit = FADING * credit + credits_of(done, problem)
-            record(
-                RoundReport(
-                    turn=turn,
-                    rings=plan.extents[level].rings,
-                    places=len(done.places),
-                    changed=sum(bool(place.steps) for place in done.places),
-                    solved=sum(
-                        bool(s.best_steps) and w.is_solved(s.best_tally)
-                        for w, s in zip(works, best, strict=False)
-                    ),
-                    failed=int(tally[FAILED]),
-                    trias=int(tally[TRIAS]),
-                    evaluations=evaluations,
-                    seconds=time.monotonic() - started,
-                    rates=_named_rates(drawn),
-                )
-            )
-            if _faults(tally) < _faults(best_tally):
-                best_mesh, best_tally, best_rounds = mesh, tally, len(rounds)
-                cycle = 0
-            own = drawn.fitness.of_faults(tally) > drawn.fitness.of_faults(workpiece.tally)
-            if not own and level + 1 < len(plan.extents):
-                level += 1
-            elif not own:
-                cycle, level = cycle + 1, 0
-                if cycle > plan.patience:
-                    reason = f"{plan.patience} cycles brought no gain"
+                if self.cycle > self.plan.patience:
+                    reason = f"{self.plan.patience} cycles brought no gain"
                     break
-            if status != "finished":
-                break
-    except KeyboardInterrupt:
-        status = "interrupted"
-    return Evolution(best_mesh, tuple(rounds[:best_rounds]), evaluations, status, reason)
+        except KeyboardInterrupt:
+            status = "interrupted"
+        rounds = tuple(self.rounds[: self.best_rounds])
+        return Evolution(self.best.mesh, rounds, self.evaluations, status, reason)
+
+    def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
+        before = self.workpiece
+        extent = self.plan.extents[self.level]
+        problem = replace(
+            moving_on(self.problem, self.cycle), weights=adapted_rates(self.credit), turn=turn
+        )
+        works = [subdomain_work(problem, self.reference, subdomain) for subdomain in found]
+        states, status = self._evolve(works)
+        done, mesh = _stitched(before.mesh, extent, turn, found, works, states)
+        self.workpiece = Workpiece(mesh, self.problem.setting)
+        self.rounds.append(done)
+        self.credit = FADING * self.credit + credits_of(done, problem)
+        self._report(done, extent, problem, works, states)
+        self._compare(before, problem, len(works))
+        return status
+
+    def _evolve(self, works: list[Work]) -> tuple[list[IslandState], Status]:
+        """Evolve the works batch by batch; fewer states than works where time is up."""
+        tally = self.workpiece.tally
+        generations = min(self.level + self.cycle, self.schedule.generations)
+        effort = replace(self.schedule, generations=generations)
+        states: list[IslandState] = []
+        for first in range(0, len(works), BATCH):
+            batch = works[first : first + BATCH]
+            roots = np.stack([work.root.tally for work in batch])
+            reporter = Reporter(
+                record=self.record,
+                setting=self.problem.setting,
+                operations=self.problem.operations,
+                tally=tally,
+                roots=roots,
+                generation=self.batches * (self.schedule.generations + 1),
+                evaluations=self.evaluations,
+                started=self.started,
+            )
+            result = evolve_archipelago(batch, effort, self.executor, reporter.watch, reporter.post)
+            self.batches += 1
+            self.evaluations += result.evaluations
+            states += result.best
+            for state, root in zip(result.best, roots, strict=True):
+                if state.best_steps:
+                    tally = tally + state.best_tally - root
+            if result.status != "finished":
+                return states, result.status
+        return states, "finished"
+
+    def _compare(self, before: Workpiece, problem: Problem, works: int) -> None:
+        """Remember the fittest mesh, and choose the extent of the next round."""
+        tally = self.workpiece.tally
+        fitness = self.problem.fitness
+        if self._fitness(self.workpiece) > self._fitness(self.best):
+            if fitness.of_faults(tally) > fitness.of_faults(self.best.tally):
+                self.cycle = 0
+            self.best, self.best_rounds = self.workpiece, len(self.rounds)
+        if problem.fitness.of_faults(tally) <= problem.fitness.of_faults(before.tally):
+            gained = 0.0
+        else:
+            gained = float(np.abs(tally - before.tally)[[FAILED, TRIAS]].sum())
+        if self._has_larger_extent:
+            self.level += gained < WORTHWHILE * works
+        elif not gained:
+            self.cycle, self.level = self.cycle + 1, 0
+
+    def _fitness(self, workpiece: Workpiece) -> float:
+        return float(workpiece.fitness(workpiece.tally[None])[0])
+
+    @property
+    def _has_larger_extent(self) -> bool:
+        return self.level + 1 < len(self.plan.extents)
+
+    def _report(
+        self,
+        done: Round,
+        extent: Extent,
+        problem: Problem,
+        works: list[Work],
+        states: list[IslandState],
+    ) -> None:
+        tally = self.workpiece.tally
+        solved = [
+            bool(state.best_steps) and work.is_solved(state.best_tally)
+            for work, state in zip(works, states, strict=False)
+        ]
+        self.record(
+            RoundReport(
+                turn=done.turn,
+                rings=extent.rings,
+                places=len(done.places),
+                changed=sum(bool(place.steps) for place in done.places),
+                solved=sum(solved),
+                failed=int(tally[FAILED]),
+                trias=int(tally[TRIAS]),
+                evaluations=self.evaluations,
+                seconds=time.monotonic() - self.started,
+                rates=_named_rates(problem),
+            )
+        )
 
 
 def moving_on(problem: Problem, cycle: int) -> Problem:
@@ -220,17 +293,40 @@ def _named_rates(problem: Problem) -> dict[str, float]:
 
 
 def _stitched(
-    mesh: ShellMesh, found: Sequence[Subdomain], works: Sequence[Work], done: Round
-) -> ShellMesh:
-    edits = []
-    for subdomain, work, place in zip(found, works, done.places, strict=False):
-        problem = work.problem
-        after = perform_steps(
-            subdomain.mesh, place.steps, problem.operations, problem.setting, problem.reference
-        )
-        edits.append(subdomain.edit(mesh, after))
-    return apply(mesh, join(mesh, edits))
+    mesh: ShellMesh,
+    extent: Extent,
+    turn: int,
+    found: Sequence[Subdomain],
+    works: Sequence[Work],
+    states: Sequence[IslandState],
+) -> tuple[Round, ShellMesh]:
+    """Perform what was found in each subdomain, polish it, and put all of them back."""
+    done, edits = [], []
+    for subdomain, work, state in zip(found, works, states, strict=False):
+        x, y, z = subdomain.centre.tolist()
+        steps = state.best_steps
+        if steps:
+            problem = work.problem
+            after = perform_steps(
+                work.mesh, steps, problem.operations, problem.setting, problem.reference
+            )
+            steps, after = _polished(after, steps, problem)
+            edits.append(subdomain.edit(mesh, after))
+        done.append(Place((x, y, z), steps))
+    return Round(extent, turn, tuple(done)), apply(mesh, join(mesh, edits))
 
 
-def _faults(tally: Floats) -> tuple[float, float]:
-    return tally[FAILED], tally[TRIAS]
+def _polished(
+    mesh: ShellMesh, steps: tuple[Step, ...], problem: Problem
+) -> tuple[tuple[Step, ...], ShellMesh]:
+    """Smooth a whole subdomain towards the mean Q.I. as a last step, where that makes it fitter."""
+    setting = replace(problem.setting, fitness=replace(problem.fitness, kind="quality"))
+    for operation in problem.operations:
+        if operation.code == POLISH.code:
+            workpiece = Workpiece(mesh, setting, problem.reference)
+            edit = operation.apply(workpiece, POLISH.parameters)
+            after = workpiece.tally + workpiece.tally_change(edit)
+            before, polished = workpiece.fitness(np.stack([workpiece.tally, after]))
+            if polished > before:
+                return (*steps, POLISH), apply(mesh, edit)
+    return steps, mesh
