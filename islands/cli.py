@@ -103,7 +103,11 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 )
 @click.option("--fitness", type=click.Choice(["trias", "quality"]))
 @_CRITERIA
-@_SIZE
+@click.option(
+    "--size",
+    metavar="L|local|FILE",
+    help="Target element size: a number, the mesh's own gradation, or a file of x,y,z,size.",
+)
 @click.option("--islands", type=int, metavar="N")
 @click.option("--population", type=int, metavar="N", help="Individuals on each island.")
 @click.option("--generations", type=int, metavar="N")
@@ -133,6 +137,8 @@ def optimize(
     from islands.config import load_config
 
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    if "size" in given:
+        given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
     done = _optimize(mesh, out, config, overwrite=overwrite, quiet=quiet)
     click.echo(f"{_closing_words(done)} All files are in {out}.")
@@ -261,6 +267,13 @@ def _closing_words(done: Finished) -> str:
         f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
         f"{after.compound_qi:.2f}; {done.seconds:.1f} s."
     )
+
+
+def _number_or_name(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _positive(size: float | None) -> float | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -62,7 +62,7 @@ class Config(BaseModel):
     operation: Literal["remesh", "replace-node"] | None = None
     fitness: Literal["trias", "quality"] = "quality"
     criteria: str = "standard"
-    size: float | None = Field(None, gt=0)
+    size: Annotated[float, Field(gt=0)] | str | None = None
     feature_angle: float = Field(30.0, gt=0, le=180)
     islands: int = Field(2, ge=1)
     population: int = Field(4, ge=2)
@@ -96,6 +96,16 @@ class Config(BaseModel):
     def improving(self) -> bool:
         """Whether an operation that gains nothing leaves the mesh as it is."""
         return self.profile != "paper"
+
+    @property
+    def element_size(self) -> float | None:
+        """The size of all elements, where the user gave a number."""
+        return None if isinstance(self.size, str) else self.size
+
+    @property
+    def size_field(self) -> str | None:
+        """The size field that the user named instead: ``local`` or a file."""
+        return self.size if isinstance(self.size, str) else None
 
     @property
     def plan(self) -> Plan:
@@ -164,6 +174,11 @@ def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
             f'"rings" has {len(config.rings)} values and "largest" {len(config.largest)}; '
             "give one each for every extent of a subdomain."
         )
+    if config.size_field and (config.operation or config.profile == "paper"):
+        raise InputError(
+            f'--size "{config.size}" needs subdomains, which the paper\'s profile and --operation '
+            "do not have; give a number."
+        )
     if config.operation and (config.islands > 1 or config.backend == "ray"):
         raise InputError(
             "One operation GA alone runs as one population in one process; leave out --islands and "
@@ -183,7 +198,7 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _sentence(error: ValidationError, file: Path | None, given: Mapping[str, Any]) -> str:
     first = error.errors()[0]
-    key = ".".join(str(part) for part in first["loc"])
+    key = str(first["loc"][0])
     if first["type"] == "extra_forbidden":
         known = ", ".join(name.replace("_", "-") for name in Config.model_fields)
         return f'{file}: there is no setting "{key}"; the settings are {known}.'

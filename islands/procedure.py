@@ -17,6 +17,7 @@ from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
 from meshops.patch import join
 from meshops.reference import Reference
+from meshops.sizing import parse_size
 from meshops.subdomain import Extent, Subdomain, subdomains
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
@@ -91,6 +92,8 @@ class Procedure:
     size : float
         Under which elements failed, which says where places are.
     element_size : float or None
+    size_field : str or None
+        As the user named it: ``local``, or a file of sizes.
     feature_angle : float
         The setting under which its operations ran.
     seed : int
@@ -104,16 +107,21 @@ class Procedure:
     criteria: Criteria
     size: float
     element_size: float | None
+    size_field: str | None
     feature_angle: float
     seed: int
 
-    def setting(self, elements: int) -> Setting:
-        """Return the setting under which it is performed on a mesh of so many elements."""
+    def setting(self, mesh: ShellMesh, size: float | None = None) -> Setting:
+        """Return the setting under which it is performed on a mesh.
+
+        `size` is what lengths are judged by on another mesh than its own.
+        """
         return Setting(
-            scoring=self.criteria.at(self.size),
-            fitness=Fitness("quality", elements),
+            scoring=self.criteria.at(size or self.size),
+            fitness=Fitness("quality", len(mesh.elements)),
             element_size=self.element_size,
             feature_angle=self.feature_angle,
+            sizes=parse_size(self.size_field, mesh) if self.size_field else None,
         )
 
     def text(self, operations: tuple[Operation, ...]) -> str:
@@ -143,6 +151,7 @@ class Procedure:
             "criteria": dump_criteria(self.criteria),
             "size": self.size,
             "element_size": self.element_size,
+            "size_field": self.size_field,
             "feature_angle": self.feature_angle,
             "seed": self.seed,
             "rounds": [
@@ -193,6 +202,7 @@ class Procedure:
                 criteria=_read_criteria(document["criteria"], source),
                 size=float(document["size"]),
                 element_size=None if size is None else float(size),
+                size_field=document["size_field"],
                 feature_angle=float(document["feature_angle"]),
                 seed=int(document["seed"]),
             )
@@ -283,9 +293,17 @@ def perform(
 
 
 def subdomain_setting(setting: Setting, subdomain: Subdomain) -> Setting:
-    """Return the setting of a run for one subdomain, whose fitness counts its own elements."""
+    """Return the setting of a run for one subdomain.
+
+    Its fitness counts its own elements, and of a size field the size in its middle is taken.
+    """
     elements = len(subdomain.mesh.elements)
-    return replace(setting, fitness=replace(setting.fitness, elements=elements))
+    own = replace(setting, fitness=replace(setting.fitness, elements=elements))
+    if setting.sizes is None:
+        return own
+    size = float(np.median(setting.sizes.at(subdomain.mesh.points)))
+    scoring = setting.scoring.criteria.at(size)
+    return replace(own, scoring=scoring, element_size=size, sizes=None)
 
 
 def perform_steps(

@@ -28,7 +28,7 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
     deck = read_deck(source)
     if deck.mesh.digest != procedure.mesh:
         return _transfer(procedure, procedure_file, deck, source, out)
-    setting = procedure.setting(len(deck.mesh.elements))
+    setting = procedure.setting(deck.mesh)
     mesh = perform(deck.mesh, procedure.rounds, ALL_OPERATIONS, setting)
     if mesh.digest != procedure.result:
         raise InputError(
@@ -52,9 +52,7 @@ def read_procedure(file: Path) -> Procedure:
 def _transfer(
     procedure: Procedure, procedure_file: Path, deck: Deck, source: Path, out: Path
 ) -> str:
-    scoring = procedure.criteria.at(procedure.element_size or median_edge(deck.mesh))
-    known = procedure.setting(len(deck.mesh.elements))
-    setting = Setting(scoring, known.fitness, known.element_size, known.feature_angle)
+    setting = procedure.setting(deck.mesh, procedure.element_size or median_edge(deck.mesh))
     try:
         mesh, _ = transfer(procedure, deck.mesh, ALL_OPERATIONS, setting)
     except InputError as error:
@@ -69,5 +67,5 @@ def _transfer(
 
 
 def _faults(mesh: ShellMesh, setting: Setting) -> str:
-    report = quality_index(mesh, setting.scoring)
+    report = quality_index(setting.at_even_size(mesh), setting.scoring)
     return f"{report.failed} failed elements and {report.trias} trias"

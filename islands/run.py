@@ -27,6 +27,7 @@ from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
 from meshops.quality_index import QualityIndex, quality_index
 from meshops.reference import Reference
+from meshops.sizing import parse_size
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tracking.events import Event, MeshSummary, RunFinished, RunStarted
@@ -59,10 +60,11 @@ class Job:
                 "them; there is nothing that may be changed."
             )
         setting = Setting(
-            scoring=criteria.at(config.size or median_edge(mesh)),
+            scoring=criteria.at(config.element_size or median_edge(mesh)),
             fitness=Fitness(config.fitness, len(mesh.elements)),
-            element_size=config.size,
+            element_size=config.element_size,
             feature_angle=config.feature_angle,
+            sizes=parse_size(config.size_field, mesh) if config.size_field else None,
         )
         problem = Problem(
             seed=config.seed,
@@ -75,7 +77,8 @@ class Job:
 
     def quality(self, mesh: ShellMesh) -> QualityIndex:
         """Return the QualityIndex of a mesh under the job's criteria."""
-        return quality_index(mesh, self.problem.setting.scoring)
+        setting = self.problem.setting
+        return quality_index(setting.at_even_size(mesh), setting.scoring)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +150,7 @@ def run(job: Job, executor: Executor, record: Callable[[Event], None], started: 
             seed=config.seed,
             backend=config.backend,
             islands=config.islands,
-            settings=config.flat() | {"size": job.problem.setting.scoring.size},
+            settings=config.flat() | {"size": config.size or job.problem.setting.scoring.size},
             before=summary(before),
         )
     )
@@ -212,6 +215,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         criteria=setting.scoring.criteria,
         size=setting.scoring.size,
         element_size=setting.element_size,
+        size_field=job.config.size_field,
         feature_angle=setting.feature_angle,
         seed=problem.seed,
     )

@@ -14,6 +14,7 @@ from meshops.kernels.patches import rings_around
 from meshops.kernels.quality import FAILED, TRIAS, tally_elements
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_index, failed_elements
+from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology
 
@@ -31,12 +32,35 @@ class Setting:
         Edge length that Remesh aims at; None keeps the size that the mesh has in that place.
     feature_angle : float
         Degrees from which the edge between two elements is a feature.
+    sizes : SizeField or None
+        The wanted size by place, where it is not the same everywhere: lengths are judged by it.
     """
 
     scoring: Scoring
     fitness: Fitness
     element_size: float | None = None
     feature_angle: float = FEATURE_ANGLE
+    sizes: SizeField | None = None
+
+    def at_even_size(self, mesh: ShellMesh) -> ShellMesh:
+        """Bring each element to the size that `scoring` judges lengths by, apart from the others.
+
+        An element that is as large as the size field wants it there becomes as large as the
+        scoring wants all; its angles stay.
+        """
+        if self.sizes is None:
+            return mesh
+        corners = mesh.points[mesh.elements]
+        corners[mesh.is_tria, 3] = corners[mesh.is_tria, 2]
+        factors = self.scoring.size / self.sizes.at(corners.mean(axis=1))
+        elements = np.arange(4 * len(corners), dtype=np.int32).reshape(-1, 4)
+        elements[mesh.is_tria, 3] = NO_NODE
+        return ShellMesh.build(
+            (corners * factors[:, None, None]).reshape(-1, 3),
+            elements,
+            region=mesh.region,
+            element_ids=mesh.element_ids,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +92,11 @@ class Workpiece:
     @cached_property
     def tally(self) -> Floats:
         """(TALLY_SIZE,) sums over all elements, from which fitness follows."""
-        return self.tally_of(self.mesh.points, self.mesh.elements)
+        return self.tally_of(self._measured.points, self._measured.elements)
+
+    @cached_property
+    def _measured(self) -> ShellMesh:
+        return self.setting.at_even_size(self.mesh)
 
     def tally_of(self, points: Floats, elements: Ints) -> Floats:
         """(TALLY_SIZE,) sums over some elements."""
@@ -107,7 +135,7 @@ class Workpiece:
     @cached_property
     def failing(self) -> Bools:
         """(M,) bool: which elements fail a criterion."""
-        return failed_elements(self.mesh, self.setting.scoring)
+        return failed_elements(self._measured, self.setting.scoring)
 
     @cached_property
     def bad_elements(self) -> Ints:
@@ -118,7 +146,7 @@ class Workpiece:
         """
         mesh = self.mesh
         editable = self.topology.editable
-        index = element_index(mesh, self.setting.scoring)
+        index = element_index(self._measured, self.setting.scoring)
         bad = np.nonzero((self.failing | mesh.is_tria) & editable)[0]
         if not len(bad):
             bad = np.nonzero(editable)[0]

@@ -59,7 +59,7 @@ def test_what_is_no_document_is_told_in_one_sentence(text: str) -> None:
 def test_settings_come_back_as_they_were(document: str) -> None:
     procedure = Procedure.from_json(document, ALL_OPERATIONS, "mine.json")
     was = job(bad_plate()).problem.setting
-    again = procedure.setting(len(bad_plate().elements))
+    again = procedure.setting(bad_plate())
     for one, other in zip(was.scoring.arrays, again.scoring.arrays, strict=True):
         assert np.array_equal(one, other)
     assert (again.element_size, again.feature_angle) == (was.element_size, was.feature_angle)

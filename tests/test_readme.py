@@ -16,7 +16,7 @@ README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 INDENTED = re.compile(r"(?:^ {4}.*\n|^\n(?= {4}))+", re.MULTILINE)
 BLOCKS = [textwrap.dedent(text) for text in INDENTED.findall(README)]
 COMMAND = re.compile(
-    r"meshipelago ((?:check|dashboard|example|optimize|picture|replay)\b[^\n`#&]*)"
+    r"meshipelago ((?:check|dashboard|example|mesh|optimize|picture|replay)\b[^\n`#&]*)"
 )
 
 

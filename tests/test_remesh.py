@@ -11,7 +11,7 @@ from meshops.fitness import Fitness
 from meshops.kernels.quality import TRIAS
 from meshops.methods import METHODS
 from meshops.operations import Remesh
-from meshops.operations.remesh import MOST_RINGS, SHIFTS, SIZES, remesh_place, select
+from meshops.operations.remesh import LOCAL, MOST_RINGS, SHIFTS, SIZES, remesh_place, select
 from meshops.patch import extract
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, within, zones
@@ -141,7 +141,9 @@ def test_a_larger_size_makes_fewer_elements():
     mesh = with_trias(sheet(16, 16), 100)
     counts = [
         len(apply(mesh, Remesh().apply(workpiece(mesh), place(1, rings=7, size=size))).elements)
-        for size in np.argsort(SIZES)
+        for size in sorted(
+            (k for k in range(len(SIZES)) if SIZES[k][0] is LOCAL), key=lambda k: SIZES[k][1]
+        )
     ]
     assert counts == sorted(counts, reverse=True)
     assert counts[0] > counts[-1]
@@ -190,5 +192,6 @@ def test_a_mesh_that_is_locked_whole_has_no_genomes():
 
 def test_parameters_tell_the_place_and_the_method():
     assert Remesh().format(place(3, shift=2, rings=4)) == "3+2 r4 100% front"
-    assert Remesh().format(place(3, other=5, rings=2, size=1, method=0)) == "3-5 r2 90% isotropic"
+    assert Remesh().format(place(3, other=5, rings=2, size=2, method=0)) == "3-5 r2 90% isotropic"
+    assert Remesh().format(place(1, rings=2, size=1)) == "1 r2 100%! front"
     assert Remesh().format(place(1)[:0]) == ""

@@ -47,7 +47,7 @@ def replayed(mesh: ShellMesh, done: Finished) -> ShellMesh:
     procedure = Procedure.from_json(text, ALL_OPERATIONS, "procedure.json")
     assert procedure.to_json(ALL_OPERATIONS) == text
     assert procedure.text(ALL_OPERATIONS) == done.text
-    setting = procedure.setting(len(mesh.elements))
+    setting = procedure.setting(mesh)
     return perform(mesh, procedure.rounds, ALL_OPERATIONS, setting)
 
 

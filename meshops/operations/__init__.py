@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from meshops.operations.automesh import Automesh
+from meshops.operations.coarsen import Coarsen
 from meshops.operations.collapse_chord import CollapseChord
 from meshops.operations.collapse_diagonal import CollapseDiagonal
 from meshops.operations.create_nodes import CreateNodes
+from meshops.operations.delete_entity import DeleteEntity
 from meshops.operations.edit_element import EditElement
+from meshops.operations.insert_chord import InsertChord
 from meshops.operations.join_trias import JoinTrias
 from meshops.operations.open_diagonal import OpenDiagonal
 from meshops.operations.protocol import Operation, SearchSpace
+from meshops.operations.quick_edit import QuickEdit
+from meshops.operations.refine import Refine
 from meshops.operations.remesh import Remesh
 from meshops.operations.remesh_ranges import RemeshRanges
 from meshops.operations.remove_doublet import RemoveDoublet
@@ -43,7 +49,16 @@ OPERATIONS: tuple[Operation, ...] = (
 )
 """Those that a default run chooses from."""
 
-ALL_OPERATIONS: tuple[Operation, ...] = (*OPERATIONS, *PAPER_OPERATIONS)
+ALL_OPERATIONS: tuple[Operation, ...] = (
+    *OPERATIONS,
+    *PAPER_OPERATIONS,
+    InsertChord(),
+    Refine(),
+    Coarsen(),
+    Automesh(),
+    DeleteEntity(),
+    QuickEdit(),
+)
 """Those that a procedure can name."""
 
 __all__ = [
