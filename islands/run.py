@@ -44,16 +44,23 @@ class Job:
     mesh : ShellMesh
     config : Config
     problem : Problem
+    known : Procedure or None
+        What to begin from.
     """
 
     name: str
     mesh: ShellMesh
     config: Config
     problem: Problem
+    known: Procedure | None = None
 
     @classmethod
     def of(cls, name: str, mesh: ShellMesh, criteria: Criteria, config: Config) -> Job:
-        """Set the problem; raises InputError where the mesh is locked throughout."""
+        """Set the problem.
+
+        Raises InputError where the mesh is locked throughout, or a file that the config names is
+        not what it should be.
+        """
         if not topology(mesh, feature_angle=config.feature_angle).editable.any():
             raise InputError(
                 f"{name}: all {len(mesh.elements)} elements are locked, since other cards refer to "
@@ -73,7 +80,10 @@ class Job:
             breeding=config.operation_breeding,
             improving=config.improving,
         )
-        return cls(name, mesh, config, problem)
+        known = None
+        if config.warm_start:
+            known = read_procedure(Path(config.warm_start) / "procedure.json")
+        return cls(name, mesh, config, problem, known)
 
     def quality(self, mesh: ShellMesh) -> QualityIndex:
         """Return the QualityIndex of a mesh under the job's criteria."""
@@ -193,9 +203,8 @@ def _evolve(
         return evolve_whole(problem, job.mesh, schedule, executor, record, started)
     rounds: tuple[Round, ...] = ()
     mesh = job.mesh
-    if config.warm_start:
-        known = read_procedure(Path(config.warm_start) / "procedure.json")
-        mesh, rounds = transfer(known, mesh, ALL_OPERATIONS, problem.setting)
+    if job.known:
+        mesh, rounds = transfer(job.known, mesh, ALL_OPERATIONS, problem.setting)
     reference = Reference(job.mesh, problem.setting.feature_angle)
     evolution = evolve_rounds(
         problem, mesh, reference, config.plan, schedule, executor, record, started
