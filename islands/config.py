@@ -23,6 +23,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
         "population": 8,
         "generations": 4,
         "genes": 8,
+        "operation-population": 8,
         "operation-generations": 3,
         "rounds": 200,
         "patience": 20,
@@ -65,10 +66,10 @@ class Config(BaseModel):
     size: Annotated[float, Field(gt=0)] | str | None = None
     feature_angle: float = Field(30.0, gt=0, le=180)
     islands: int = Field(2, ge=1)
-    population: int = Field(4, ge=2)
+    population: int = Field(2, ge=2)
     generations: int = Field(2, ge=0)
     genes: int = Field(5, ge=1)
-    operation_population: int = Field(8, ge=2)
+    operation_population: int = Field(5, ge=2)
     operation_generations: int = Field(1, ge=0)
     crossover: float = Field(0.9, ge=0, le=1)
     mutation: float = Field(0.1, ge=0, le=1)

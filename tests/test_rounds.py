@@ -123,7 +123,7 @@ def test_a_mesh_without_fault_is_left_alone() -> None:
 
 
 def test_patience_ends_where_nothing_more_can_be_gained() -> None:
-    """And what was tried in vain, with other aims too, is no part of the procedure."""
+    """And what was tried in vain after the last gain is no part of the procedure."""
     mesh = with_a_fault_for_ever(bad_plate())
     events: Events = []
     done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60]), events)
@@ -131,7 +131,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
     assert (1, 0) <= faults(done.mesh) < faults(mesh)
     rounds = [e for e in events if isinstance(e, RoundReport)]
     assert {e.rings for e in rounds} == {2, 4}
-    assert len(done.procedure.rounds) < len(rounds) < 40
+    assert len(done.procedure.rounds) <= len(rounds) < 40
     assert faults(done.mesh) == min((e.failed, e.trias) for e in rounds)
     assert replayed(mesh, done).digest == done.mesh.digest
     assert_nothing_locked_has_changed(mesh, done.mesh)
