@@ -216,25 +216,34 @@ def dashboard(port: int) -> None:
 
 
 def _optimize(source: Path, out: Path, config: Config, *, overwrite: bool, quiet: bool) -> Finished:
-    import signal
     import time
 
+    from islands.interruption import Interruption
     from islands.results import prepare_folder, write_results
     from islands.run import Job, run, start_executor
     from meshops.criteria_files import load_criteria
     from meshops.formats import read_deck
+    from tracking.events import Event, GenerationReport
 
     started = time.monotonic()
     deck = read_deck(source)
     job = Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
-    executor = start_executor(job, started + (config.time_limit or float("inf")))
+    interruption = Interruption()
+    deadline = started + (config.time_limit or float("inf"))
+    executor = start_executor(job, deadline, interruption.heed)
     try:
         prepare_folder(out, source, overwrite=overwrite)
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # after Ray has set its own
         recorder = _recorder(out, config, quiet=quiet)
+
+        def record(event: Event) -> None:
+            recorder.record(event)
+            if isinstance(event, GenerationReport):
+                interruption.heed()
+
         try:
-            done = run(job, executor, recorder.record, started)
-            recorder.keep(write_results(out, job, deck, source, done))
+            with interruption:  # after Ray has set its own signals
+                done = run(job, executor, record, started)
+                recorder.keep(write_results(out, job, deck, source, done))
         finally:
             recorder.close()
     finally:

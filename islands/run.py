@@ -126,14 +126,19 @@ _REASONS = {
 }
 
 
-def start_executor(job: Job, deadline: float) -> Executor:
-    """Start the backend that the config names; raises InputError where it cannot be reached."""
+def start_executor(job: Job, deadline: float, heed: Callable[[], None] = lambda: None) -> Executor:
+    """Start the backend that the config names; raises InputError where it cannot be reached.
+
+    `heed` raises KeyboardInterrupt where the user wants to end.
+    """
     config = job.config
     if config.backend == "local":
-        return LocalExecutor(config.breeding, config.genes, deadline=deadline)
+        return LocalExecutor(config.breeding, config.genes, deadline=deadline, heed=heed)
     from islands.executors.ray import RayExecutor
 
-    return RayExecutor(config.breeding, config.genes, address=config.address, deadline=deadline)
+    return RayExecutor(
+        config.breeding, config.genes, address=config.address, deadline=deadline, heed=heed
+    )
 
 
 def improve(job: Job, *, record: Callable[[Event], None] = lambda _: None) -> Finished:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from islands.archipelago import TimeUpError
@@ -21,17 +21,32 @@ from islands.integration_ga import (
 from islands.island import IslandState, Migrants, step
 
 
+def _never() -> None:
+    """Heed nothing."""
+
+
 @dataclass(frozen=True, eq=False)
 class LocalRunner:
-    """Runs operation GAs here; `deadline` is a time of time.monotonic()."""
+    """Runs operation GAs here.
+
+    Attributes
+    ----------
+    problem : Problem
+    deadline : float
+        A time of time.monotonic().
+    heed : callable
+        Raises KeyboardInterrupt where the user wants to end.
+    """
 
     problem: Problem
     deadline: float
+    heed: Callable[[], None] = _never
 
     def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
         """Run one after the other; TimeUpError where the deadline has passed."""
         results = []
         for task, mesh in jobs:
+            self.heed()
             if time.monotonic() >= self.deadline:
                 raise TimeUpError
             results.append(run_task(self.problem, task, mesh))
@@ -41,15 +56,25 @@ class LocalRunner:
 class LocalExecutor:
     """All islands in this process."""
 
-    def __init__(self, breeding: Breeding, genes: int, *, deadline: float = float("inf")) -> None:
+    def __init__(
+        self,
+        breeding: Breeding,
+        genes: int,
+        *,
+        deadline: float = float("inf"),
+        heed: Callable[[], None] = _never,
+    ) -> None:
         self._breeding = breeding
         self._genes = genes
         self._deadline = deadline
+        self._heed = heed
         self._evaluators: list[Evaluator] = []
 
     def open(self, works: Sequence[Work]) -> None:
         """Forget what earlier works have taught."""
-        self._evaluators = [evaluator(work, self._deadline, len(works)) for work in works]
+        self._evaluators = [
+            evaluator(work, self._deadline, len(works), self._heed) for work in works
+        ]
 
     def advance(
         self, steps: Sequence[tuple[IslandState, Migrants | None]]
@@ -63,11 +88,13 @@ class LocalExecutor:
         """Nothing is held."""
 
 
-def evaluator(work: Work, deadline: float, sharers: int) -> Evaluator:
+def evaluator(
+    work: Work, deadline: float, sharers: int, heed: Callable[[], None] = _never
+) -> Evaluator:
     """Make an evaluator that works in this process; `sharers` evaluators share its memory."""
     return Evaluator(
         work.problem,
-        LocalRunner(work.problem, deadline),
+        LocalRunner(work.problem, deadline, heed),
         work.root,
         work.mesh,
         is_enough=work.is_solved,

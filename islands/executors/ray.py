@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import socket
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +33,8 @@ TRIES = 3
 """Times that a generation is asked for before a fault of the cluster ends the run."""
 
 _KNOCK_SECONDS = 5.0
+
+_LISTEN_SECONDS = 0.5
 
 
 _run_remotely = ray.remote(num_returns=2, max_retries=TRIES)(run_task)
@@ -109,7 +111,9 @@ class RayExecutor:
         *,
         address: str | None = None,
         deadline: float = float("inf"),
+        heed: Callable[[], None] = lambda: None,
     ) -> None:
+        self._heed = heed
         self._started_ray = connect(address)
         self._breeding = breeding
         self._genes = genes
@@ -135,9 +139,12 @@ class RayExecutor:
         tries = dict.fromkeys(shares, 1)
         running = {self._ask(actor, share): actor for actor, share in shares.items()}
         while running:
-            ready, _ = ray.wait(list(running), timeout=self._seconds_left())
-            if not ready:
+            self._heed()
+            ready, _ = ray.wait(list(running), timeout=min(_LISTEN_SECONDS, self._seconds_left()))
+            if not ready and not self._seconds_left():
                 raise TimeUpError
+            if not ready:
+                continue
             actor = running.pop(ready[0])
             try:
                 states = ray.get(ready[0])
@@ -173,9 +180,7 @@ class RayExecutor:
     def _forget(self, actor: int) -> None:
         ray.kill(self._actors.pop(actor))
 
-    def _seconds_left(self) -> float | None:
-        if self._deadline == float("inf"):
-            return None
+    def _seconds_left(self) -> float:
         return max(0.0, self._deadline - time.time())
 
 
