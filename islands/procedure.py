@@ -298,7 +298,8 @@ def subdomain_setting(setting: Setting, subdomain: Subdomain) -> Setting:
     Its fitness counts its own elements, and of a size field the size in its middle is taken.
     """
     elements = len(subdomain.mesh.elements)
-    own = replace(setting, fitness=replace(setting.fitness, elements=elements))
+    fitness = replace(setting.fitness, elements=elements)
+    own = replace(setting, fitness=fitness, outside=subdomain.outside)
     if setting.sizes is None:
         return own
     size = float(np.median(setting.sizes.at(subdomain.mesh.points)))

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from meshops.criteria import Scoring
-from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS, compound_indices
+from meshops.kernels.quality import ELEMENTS, FAILED, IRREGULAR, TRIAS, compound_indices
 from meshops.mesh import Floats
 
 FitnessKind = Literal["trias", "quads", "quality"]
@@ -16,8 +16,12 @@ FitnessKind = Literal["trias", "quads", "quality"]
 INVALID = -np.inf
 """Fitness of an individual that makes no valid mesh: it is never selected and recorded as 0."""
 
-PRICE = 0.01
+PRICE = 0.001
 """What one operation of a procedure costs, on the scale of q in `Fitness`."""
+
+IRREGULARITY = 0.3
+"""What an irregular node costs, over an element whose Q.I. is higher by 1: rows of quads flow
+through a mesh as far as the next one (the paper's section 2.1)."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +32,12 @@ class Fitness:
     mesh with more than 100 trias.
 
     ``quality`` orders meshes as an engineer does: fewer failed elements first, then fewer trias,
-    then a lower compound Q.I., less a small price for each operation used, which section 5.3 of
-    the paper wishes for: ``100 - failed - (trias + (q + price) / 2) / (n + 1)``. Here n is the
-    number of elements that the run started from, q is the compound Q.I. per element brought into
-    [0, 1) by x / (1 + x), and the price is ``PRICE`` for each operation, at most 1.
+    then a lower compound Q.I. and fewer irregular nodes, less a small price for each operation
+    used, which section 5.3 of the paper wishes for:
+    ``100 - failed - (trias + (q + price) / 2) / (n + 1)``. Here n is the number of elements that
+    the run started from, q is the compound Q.I. plus ``IRREGULARITY`` times the irregular nodes an
+    element, brought into [0, 1) by x / (1 + x), and the price is ``PRICE`` for each operation, at
+    most 1.
 
     ``quads`` is the same with failed elements and trias changing places: fewer trias first. A
     search that stands still takes this way round, since a failed element is the easier to mend.
@@ -53,7 +59,8 @@ class Fitness:
         if self.kind == "trias":
             values = 100.0 - usable[:, TRIAS]
         else:
-            index = compound_indices(usable, *scoring.arrays) / (self.elements + 1)
+            index = compound_indices(usable, *scoring.arrays)
+            index += IRREGULARITY * usable[:, IRREGULAR] / (self.elements + 1)
             finish = (index / (1.0 + index) + min(PRICE * operations, 1.0)) / 2.0
             order = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
             first, second = usable[:, order].T

@@ -12,6 +12,7 @@ from meshops.kernels.partition import partition
 from meshops.mesh import NEW, NO_NODE, Floats, Ints, ShellMesh
 from meshops.patch import Patch, extract
 from meshops.surface import PatchSurface
+from meshops.topology import Topology, valences
 from meshops.workpiece import Workpiece
 
 
@@ -41,19 +42,27 @@ class Subdomain:
         Where it comes from.
     mesh : ShellMesh
         Its border nodes come first and are locked; ids are rows of the patch plus 1.
+    outside : (b,) int32
+        Elements of the mesh around it that meet at each border node; -1 where any number may.
     """
 
     patch: Patch
     mesh: ShellMesh
+    outside: Ints
 
     @classmethod
-    def of(cls, patch: Patch) -> Subdomain:
-        """Make a mesh of a patch."""
+    def of(cls, topology: Topology, rows: Ints) -> Subdomain:
+        """Cut out one component; `rows` ascending."""
+        patch = extract(topology, rows)
         locked = np.zeros(len(patch.points), bool)
         locked[: patch.border_nodes] = True
         region = np.full(len(patch.elements), patch.region)
         mesh = ShellMesh.build(patch.points, patch.elements, region=region, locked_nodes=locked)
-        return cls(patch, mesh)
+        border = patch.nodes[: patch.border_nodes]
+        around = topology.valence[border]
+        outside = around - valences(patch.elements, len(patch.points))[: patch.border_nodes]
+        outside[~topology.inner_nodes[border]] = -1
+        return cls(patch, mesh, outside)
 
     @cached_property
     def surface(self) -> PatchSurface:
@@ -129,7 +138,7 @@ def subdomains(workpiece: Workpiece, extent: Extent, turn: int) -> list[Subdomai
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]
     found = []
     for rows in np.split(chosen[order], ends):
-        subdomain = Subdomain.of(extract(topology, rows))
+        subdomain = Subdomain.of(topology, rows)
         trias = np.count_nonzero(subdomain.mesh.is_tria)
         if workpiece.failing[rows].any() or trias > subdomain.least_trias:
             found.append(subdomain)

@@ -97,6 +97,19 @@ class PatchSurface:
         spheres: Floats = bounding_spheres(self.points, self.trias)
         return spheres
 
+    def near(self, points: Floats, margin: float) -> tuple[Ints, Floats]:
+        """Trias (T, 3) that points up to `margin` away from some points can be nearest to.
+
+        With their spheres (T, 4); all where none is near; none where the surface is plane.
+        """
+        if self.plane is not None:
+            return self.trias[:0], np.zeros((0, 4))
+        low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+        centres, radius = self.spheres[:, :3], self.spheres[:, 3:]
+        near = ((centres + radius >= low) & (centres - radius <= high)).all(axis=1)
+        near |= not near.any()
+        return self.trias[near], self.spheres[near]
+
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
         found: tuple[Floats, Floats, Ints] = nearest(queries, self.points, self.trias, self.spheres)
         return found

@@ -10,7 +10,7 @@ import numpy as np
 from meshops.kernels.edges import find_edges
 from meshops.kernels.patches import cut, label_components
 from meshops.kernels.soundness import unit_normals
-from meshops.mesh import Bools, Floats, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 
 FEATURE_ANGLE = 30.0
 """Degrees between the normals of two elements from which their edge counts as a feature."""
@@ -76,17 +76,28 @@ class Topology:
         return corners, nodes, int(border.max()) + 1 if len(border) else 0
 
     @cached_property
-    def free_nodes(self) -> Bools:
-        """(N,) bool: unlocked nodes inside a zone, that nothing but their one fan uses."""
+    def inner_nodes(self) -> Bools:
+        """(N,) bool: nodes inside a zone, that nothing but their one fan uses."""
         _, nodes, first_inner = self.fans
-        free = np.zeros(len(self.mesh.points), bool)
-        free[nodes[first_inner:]] = True
-        free &= ~self.mesh.locked_nodes & (self._fans_of_node == 1)
+        inner = np.zeros(len(self.mesh.points), bool)
+        inner[nodes[first_inner:]] = True
+        inner &= self._fans_of_node == 1
+        return inner
+
+    @cached_property
+    def free_nodes(self) -> Bools:
+        """(N,) bool: inner nodes that are not locked."""
+        free: Bools = self.inner_nodes & ~self.mesh.locked_nodes
         return free
 
     @cached_property
     def _fans_of_node(self) -> Ints:
         return np.bincount(self.fans[1], minlength=len(self.mesh.points)).astype(np.int32)
+
+    @cached_property
+    def valence(self) -> Ints:
+        """(N,) int32: elements that meet at each node."""
+        return valences(self.mesh.elements, len(self.mesh.points))
 
     @cached_property
     def anchors(self) -> Bools:
@@ -145,6 +156,12 @@ def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topolo
         crossable=crossable,
         mesh=mesh,
     )
+
+
+def valences(elements: Ints, nodes: int) -> Ints:
+    """(nodes,) int32: how many of some elements meet at each node."""
+    corners = elements[elements != NO_NODE]
+    return np.bincount(corners, minlength=nodes).astype(np.int32)
 
 
 def element_normals(mesh: ShellMesh) -> Floats:

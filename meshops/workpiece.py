@@ -11,12 +11,15 @@ from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
 from meshops.kernels.patches import rings_around
-from meshops.kernels.quality import FAILED, TRIAS, tally_elements
+from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS, tally_elements
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_index, failed_elements
 from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
-from meshops.topology import FEATURE_ANGLE, Topology, topology
+from meshops.topology import FEATURE_ANGLE, Topology, topology, valences
+
+REGULAR = 4
+"""Elements that meet at a regular inner node."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,9 @@ class Setting:
         Degrees from which the edge between two elements is a feature.
     sizes : SizeField or None
         The wanted size by place, where it is not the same everywhere: lengths are judged by it.
+    outside : (b,) int32 or None
+        Of a subdomain, whose border nodes come first: how many elements of the mesh around it meet
+        at each of them; -1 where any number may.
     """
 
     scoring: Scoring
@@ -41,6 +47,7 @@ class Setting:
     element_size: float | None = None
     feature_angle: float = FEATURE_ANGLE
     sizes: SizeField | None = None
+    outside: Ints | None = None
 
     def at_even_size(self, mesh: ShellMesh) -> ShellMesh:
         """Bring each element to the size that `scoring` judges lengths by, apart from the others.
@@ -92,7 +99,28 @@ class Workpiece:
     @cached_property
     def tally(self) -> Floats:
         """(TALLY_SIZE,) sums over all elements, from which fitness follows."""
-        return self.tally_of(self._measured.points, self._measured.elements)
+        tally = self.tally_of(self._measured.points, self._measured.elements)
+        tally[IRREGULAR] = np.count_nonzero(self.irregular)
+        return tally
+
+    @cached_property
+    def outside(self) -> Ints:
+        """(N,) int32: elements around each node that are not of the mesh; -1 where any number is.
+
+        Nodes on a barrier may have any number of elements.
+        """
+        outside = np.where(self.topology.inner_nodes, 0, -1).astype(np.int32)
+        if self.setting.outside is not None:
+            outside[: len(self.setting.outside)] = self.setting.outside
+        return outside
+
+    @cached_property
+    def irregular(self) -> Bools:
+        """(N,) bool: inner nodes at which not just four elements meet."""
+        return self._irregular(self.topology.valence)
+
+    def _irregular(self, valence: Ints) -> Bools:
+        return (self.outside >= 0) & (valence > 0) & (valence + self.outside != REGULAR)
 
     @cached_property
     def _measured(self) -> ShellMesh:
@@ -120,7 +148,19 @@ class Workpiece:
         change: Floats = self.tally_of(edit.points_after(mesh), new) - self.tally_of(
             mesh.points, mesh.elements[touched]
         )
+        change[IRREGULAR] = self._irregular_change(mesh.elements[touched], new)
         return change
+
+    def _irregular_change(self, gone: Ints, new: Ints) -> int:
+        """How many more nodes are irregular once elements have come for others."""
+        count = len(self.mesh.points)
+        before = self.topology.valence
+        after = valences(new, max(count, int(new.max(initial=-1)) + 1))
+        added = np.count_nonzero((after[count:] != REGULAR) & (after[count:] > 0))
+        after = before + after[:count] - valences(gone, count)
+        return int(added) + int(
+            np.count_nonzero(self._irregular(after)) - np.count_nonzero(self._irregular(before))
+        )
 
     def fitness(self, tallies: Floats) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies."""

@@ -14,8 +14,9 @@ normalised : bool
 
 A tally is a float64 vector of ``TALLY_SIZE``. Criterion ``c`` has at ``4 * c`` the sum of the
 penalties that pass, then how many pass, the sum of those that fail, and how many fail. The last
-four places count elements, quads, trias and failed elements. Elements can be added and taken away,
-so an edit is scored by the elements that it touches.
+places count elements, quads, trias, failed elements and irregular nodes. Elements can be added and
+taken away, so an edit is scored by the elements that it touches. Irregular nodes do not follow from
+elements one by one: the functions here leave that place as it is, and a workpiece fills it.
 
 No function here allocates an element's scratch: the caller brings it.
 """
@@ -40,6 +41,7 @@ __all__ = [
     "CRITERIA",
     "ELEMENTS",
     "FAILED",
+    "IRREGULAR",
     "PERCENT_TRIAS",
     "QUADS",
     "SLACK",
@@ -59,8 +61,8 @@ __all__ = [
     "tally_values",
 ]
 
-ELEMENTS, QUADS, TRIAS, FAILED = 48, 49, 50, 51
-TALLY_SIZE = 52
+ELEMENTS, QUADS, TRIAS, FAILED, IRREGULAR = 48, 49, 50, 51, 52
+TALLY_SIZE = 53
 
 SLACK = 1e-9
 """Penalty beyond that of the fail level that is rounding, not failure."""

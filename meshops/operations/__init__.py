@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from meshops.operations.anneal import Anneal
 from meshops.operations.automesh import Automesh
 from meshops.operations.coarsen import Coarsen
 from meshops.operations.collapse_chord import CollapseChord
@@ -46,6 +47,7 @@ OPERATIONS: tuple[Operation, ...] = (
     EditElement(pool=30),
     Remesh(),
     ReplaceNode(),
+    Anneal(),
 )
 """Those that a default run chooses from."""
 
