@@ -27,6 +27,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
         "operation-generations": 3,
         "rounds": 200,
         "patience": 20,
+        "flow": 40,
     },
     "paper": {
         "fitness": "trias",
@@ -79,6 +80,7 @@ class Config(BaseModel):
     largest: tuple[int, ...] = Field((60, 100, 160, 300, 2000, 20000), min_length=1)
     rounds: int = Field(80, ge=0)
     patience: int = Field(10, ge=1)
+    flow: int = Field(6, ge=0)
     migrate_every: int = Field(1, ge=1)
     migrants: int = Field(1, ge=0)
     seed: int = Field(1, ge=0)
@@ -112,7 +114,7 @@ class Config(BaseModel):
     def plan(self) -> Plan:
         """Which subdomains are cut out in which round."""
         extents = tuple(map(Extent, self.rings, self.largest))
-        return Plan(extents, self.rounds, self.patience)
+        return Plan(extents, self.rounds, self.patience, self.flow)
 
     @property
     def operation_code(self) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from meshops.operations import NOTHING, Operation
 from meshops.patch import join
 from meshops.reference import Reference
 from meshops.sizing import parse_size
-from meshops.subdomain import Extent, Subdomain, subdomains
+from meshops.subdomain import Aim, Extent, Subdomain, subdomains
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
-FORMAT = "meshipelago procedure 2"
+FORMAT = "meshipelago procedure 3"
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +68,14 @@ class Round:
         Which round of its run it was.
     places : tuple of Place
         In the order of the subdomains.
+    aim : "faults" or "flow"
+        What the subdomains were cut out for.
     """
 
     extent: Extent | None
     turn: int
     places: tuple[Place, ...]
+    aim: Aim = "faults"
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +161,7 @@ class Procedure:
                 {
                     "extent": None if r.extent is None else [r.extent.rings, r.extent.elements],
                     "turn": r.turn,
+                    "aim": r.aim,
                     "places": [
                         {
                             "centre": place.centre,
@@ -227,9 +231,10 @@ def _read_round(item: dict[str, Any], codes: dict[str, int]) -> Round:
         extent = Extent(int(rings), int(elements))
         if extent.rings < 0 or extent.elements < 1:
             raise ValueError("an extent must be rings and elements")
-    return Round(
-        extent, int(item["turn"]), tuple(_read_place(place, codes) for place in item["places"])
-    )
+    if item["aim"] not in get_args(Aim):
+        raise ValueError(f"a round has no aim {item['aim']!r}")
+    places = tuple(_read_place(place, codes) for place in item["places"])
+    return Round(extent, int(item["turn"]), places, item["aim"])
 
 
 def _read_place(place: dict[str, Any], codes: dict[str, int]) -> Place:
@@ -273,7 +278,7 @@ def perform(
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)
             continue
-        found = subdomains(Workpiece(mesh, setting), done.extent, done.turn)
+        found = subdomains(Workpiece(mesh, setting), done.extent, done.turn, done.aim)
         edits = [
             subdomain.edit(
                 mesh,

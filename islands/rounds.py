@@ -16,10 +16,12 @@ from islands.reporter import Reporter
 from meshops.edit import apply
 from meshops.kernels.quality import FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
+from meshops.operations import NOTHING
+from meshops.operations.anneal import Anneal
 from meshops.operations.smooth import METHODS, Smooth
 from meshops.patch import join
 from meshops.reference import Reference
-from meshops.subdomain import Extent, Subdomain, places, subdomains
+from meshops.subdomain import Aim, Extent, Subdomain, places, subdomains
 from meshops.workpiece import Workpiece
 from tracking.events import Event, RoundReport
 
@@ -34,6 +36,16 @@ FADING = 0.7
 
 WORTHWHILE = 0.02
 """Faults that a round removes, per subdomain, for which the next one keeps its extent."""
+
+FLOW = Extent(rings=20, elements=800)
+"""Of the subdomains in which irregular nodes are to vanish: these come in pairs that are far apart,
+and are worth looking for in each other's reach."""
+
+FLOW_RATES = {Anneal().code: 0.8, Smooth().code: 0.1}
+"""How often operations are drawn there; the rest is nothing."""
+
+FLOW_PATIENCE = 12
+"""Rounds for a better flow that bring nothing, after which there are no more."""
 
 POLISH = Step(Smooth().code, np.array([[1, 40, METHODS.index("even")]], np.int32))
 """Smoothing of all nodes around the worst element, far enough for a subdomain of usual size."""
@@ -51,11 +63,15 @@ class Plan:
         The most.
     patience : int
         Times that all extents bring no gain, one after the other, after which the run ends.
+    flow : int
+        The most rounds for a better flow: one after each time that all extents bring no gain, and
+        the others once there are no faults left.
     """
 
     extents: tuple[Extent, ...]
     rounds: int
     patience: int
+    flow: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,16 +134,25 @@ class _Search:
         self.batches = 0
         self.level = 0
         self.cycle = 0
+        self.aim: Aim = "faults"
+        self.flows_left = plan.flow
+        self.flows_in_vain = 0
 
     def run(self) -> Evolution:
         """Go on from round to round until there is a reason to stop."""
         status: Status = "finished"
         reason = "all rounds are done"
         try:
-            for turn in range(self.plan.rounds):
-                found = subdomains(self.workpiece, self.plan.extents[self.level], turn)
-                if not found and self._has_larger_extent and len(places(self.workpiece)):
-                    self.level += 1  # each fault has a subdomain whose border does not allow less
+            for turn in range(self.plan.rounds + self.plan.flow):
+                found = subdomains(self.workpiece, self._extent, turn, self.aim)
+                if not found and self.aim == "faults":
+                    if self._has_larger_extent and len(places(self.workpiece)):
+                        self.level += 1  # each fault's subdomain has a border that allows no less
+                    elif self.flows_left:
+                        self.aim = "flow"
+                    else:
+                        reason = "nothing is left to gain"
+                        break
                     continue
                 if not found:
                     reason = "nothing is left to gain"
@@ -144,19 +169,24 @@ class _Search:
         return Evolution(self.best.mesh, rounds, self.evaluations, status, reason)
 
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
-        before = self.workpiece
-        extent = self.plan.extents[self.level]
-        problem = replace(
-            moving_on(self.problem, self.cycle), weights=adapted_rates(self.credit), turn=turn
-        )
+        before, extent = self.workpiece, self._extent
+        if self.aim == "faults":
+            problem = moving_on(self.problem, self.cycle)
+            problem = replace(problem, weights=adapted_rates(self.credit), turn=turn)
+        else:
+            problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
         works = [subdomain_work(problem, self.reference, subdomain) for subdomain in found]
         states, status = self._evolve(works)
-        done, mesh = _stitched(before.mesh, extent, turn, found, works, states)
+        empty = Round(extent, turn, (), self.aim)
+        done, mesh = _stitched(before.mesh, empty, found, works, states)
         self.workpiece = Workpiece(mesh, self.problem.setting)
         self.rounds.append(done)
-        self.credit = FADING * self.credit + credits_of(done, problem)
         self._report(done, extent, problem, works, states)
-        self._compare(before, problem, len(works))
+        if self.aim == "faults":
+            self.credit = FADING * self.credit + credits_of(done, problem)
+            self._compare(before, problem, len(works))
+        else:
+            self._compare_flow()
         return status
 
     def _evolve(self, works: list[Work]) -> tuple[list[IslandState], Status]:
@@ -192,11 +222,7 @@ class _Search:
     def _compare(self, before: Workpiece, problem: Problem, works: int) -> None:
         """Remember the fittest mesh, and choose the extent of the next round."""
         tally = self.workpiece.tally
-        fitness = self.problem.fitness
-        if self._fitness(self.workpiece) > self._fitness(self.best):
-            if fitness.of_faults(tally) > fitness.of_faults(self.best.tally):
-                self.cycle = 0
-            self.best, self.best_rounds = self.workpiece, len(self.rounds)
+        self._remember()
         if problem.fitness.of_faults(tally) <= problem.fitness.of_faults(before.tally):
             gained = 0.0
         else:
@@ -205,6 +231,30 @@ class _Search:
             self.level += gained < WORTHWHILE * works
         elif not gained:
             self.cycle, self.level = self.cycle + 1, 0
+            self.aim = "flow" if self.flows_left else "faults"
+
+    def _compare_flow(self) -> None:
+        """Remember the fittest mesh, and go on while that brings something and faults do not."""
+        self.flows_left -= 1
+        self.flows_in_vain = 0 if self._remember() else self.flows_in_vain + 1
+        if self.flows_in_vain == FLOW_PATIENCE:
+            self.flows_left = 0
+        if len(places(self.workpiece)) or not self.flows_left:
+            self.aim = "faults"
+
+    def _remember(self) -> bool:
+        """Remember the mesh if it is the fittest so far; whether it is."""
+        if self._fitness(self.workpiece) <= self._fitness(self.best):
+            return False
+        fitness = self.problem.fitness
+        if fitness.of_faults(self.workpiece.tally) > fitness.of_faults(self.best.tally):
+            self.cycle = 0
+        self.best, self.best_rounds = self.workpiece, len(self.rounds)
+        return True
+
+    @property
+    def _extent(self) -> Extent:
+        return self.plan.extents[self.level] if self.aim == "faults" else FLOW
 
     def _fitness(self, workpiece: Workpiece) -> float:
         return float(workpiece.fitness(workpiece.tally[None])[0])
@@ -277,6 +327,14 @@ def adapted_rates(credit: Floats) -> Floats:
     return normalised
 
 
+def flow_rates(problem: Problem) -> Floats:
+    """(C,) how often each operation is drawn where irregular nodes are to vanish."""
+    rates = np.array([FLOW_RATES.get(code, 0.0) for code in problem.codes])
+    rates[problem.codes.index(NOTHING)] = max(0.0, 1.0 - rates.sum())
+    normalised: Floats = rates / rates.sum()
+    return normalised
+
+
 def credits_of(done: Round, problem: Problem) -> Floats:
     """(C,) how many steps of the fittest procedures of a round were of each operation."""
     codes = [step.code for place in done.places for step in place.steps if len(step.parameters)]
@@ -294,13 +352,15 @@ def _named_rates(problem: Problem) -> dict[str, float]:
 
 def _stitched(
     mesh: ShellMesh,
-    extent: Extent,
-    turn: int,
+    empty: Round,
     found: Sequence[Subdomain],
     works: Sequence[Work],
     states: Sequence[IslandState],
 ) -> tuple[Round, ShellMesh]:
-    """Perform what was found in each subdomain, polish it, and put all of them back."""
+    """Perform what was found in each subdomain, polish it, and put all of them back.
+
+    `empty` is the round before it has places.
+    """
     done, edits = [], []
     for subdomain, work, state in zip(found, works, states, strict=False):
         x, y, z = subdomain.centre.tolist()
@@ -313,7 +373,7 @@ def _stitched(
             steps, after = _polished(after, steps, problem)
             edits.append(subdomain.edit(mesh, after))
         done.append(Place((x, y, z), steps))
-    return Round(extent, turn, tuple(done)), apply(mesh, join(mesh, edits))
+    return replace(empty, places=tuple(done)), apply(mesh, join(mesh, edits))
 
 
 def _polished(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from islands.procedure import Place, Procedure, Round, Step, perform_steps, subdomain_setting
@@ -40,7 +42,8 @@ def transfer(
     for done in procedure.rounds:
         assert done.extent is not None
         known = [place for place in done.places if place.steps]
-        found = subdomains(Workpiece(mesh, setting), done.extent, done.turn) if known else []
+        start = Workpiece(mesh, setting)
+        found = subdomains(start, done.extent, done.turn, done.aim) if known else []
         places, edits = [], []
         for subdomain in found:
             steps = _nearest(known, procedure.box, subdomain.centre, box).steps
@@ -50,7 +53,7 @@ def transfer(
             edits.append(edit)
         if any(place.steps for place in places):
             mesh = apply(mesh, join(mesh, edits))
-            rounds.append(Round(done.extent, done.turn, tuple(places)))
+            rounds.append(replace(done, places=tuple(places)))
     return mesh, tuple(rounds)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -112,15 +113,21 @@ class Subdomain:
         )
 
 
-def subdomains(workpiece: Workpiece, extent: Extent, turn: int) -> list[Subdomain]:
+Aim = Literal["faults", "flow"]
+"""What subdomains are cut out for: failing elements and trias, or irregular nodes."""
+
+
+def subdomains(
+    workpiece: Workpiece, extent: Extent, turn: int, aim: Aim = "faults"
+) -> list[Subdomain]:
     """Cut out disjoint subdomains around the bad places of a mesh, worst places first.
 
     `turn` varies which of equally bad places comes first, so that borders lie elsewhere in another
-    round. Zones and subdomains where nothing is left to gain are left out: no element fails, and
-    there are no more trias than the parity of their border asks for.
+    round. Of faults, zones and subdomains where nothing is left to gain are left out: no element
+    fails, and there are no more trias than the parity of their border asks for.
     """
     topology = workpiece.topology
-    bad = places(workpiece)
+    bad = places(workpiece) if aim == "faults" else irregular_places(workpiece)
     if not len(bad):
         return []
     bad = np.roll(bad, -(turn * len(bad)) // 3) if turn else bad
@@ -140,7 +147,8 @@ def subdomains(workpiece: Workpiece, extent: Extent, turn: int) -> list[Subdomai
     for rows in np.split(chosen[order], ends):
         subdomain = Subdomain.of(topology, rows)
         trias = np.count_nonzero(subdomain.mesh.is_tria)
-        if workpiece.failing[rows].any() or trias > subdomain.least_trias:
+        faulty = workpiece.failing[rows].any() or trias > subdomain.least_trias
+        if faulty or aim == "flow":
             found.append(subdomain)
     return found
 
@@ -160,6 +168,15 @@ def places(workpiece: Workpiece) -> Ints:
     bad &= (failing > 0)[zones] | excess[zones]
     rows = workpiece.bad_elements
     return rows[bad[rows]]
+
+
+def irregular_places(workpiece: Workpiece) -> Ints:
+    """Rows of the elements with irregular nodes, those with the most first."""
+    elements = workpiece.mesh.elements
+    count = np.count_nonzero(workpiece.irregular[elements] & (elements != NO_NODE), axis=1)
+    chosen = np.nonzero((count > 0) & workpiece.topology.editable)[0]
+    order = np.argsort(-count[chosen], kind="stable")
+    return chosen[order].astype(np.int32)
 
 
 def zone_border_edges(workpiece: Workpiece) -> Ints:

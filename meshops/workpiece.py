@@ -119,8 +119,16 @@ class Workpiece:
         """(N,) bool: inner nodes at which not just four elements meet."""
         return self._irregular(self.topology.valence)
 
+    @cached_property
+    def irregular_elements(self) -> Bools:
+        """(M,) bool: elements with an irregular node."""
+        elements = self.mesh.elements
+        irregular: Bools = (self.irregular[elements] & (elements != NO_NODE)).any(axis=1)
+        return irregular
+
     def _irregular(self, valence: Ints) -> Bools:
-        return (self.outside >= 0) & (valence > 0) & (valence + self.outside != REGULAR)
+        irregular: Bools = (valence > 0) & (valence + self.outside != REGULAR)
+        return irregular & (self.outside >= 0)
 
     @cached_property
     def _measured(self) -> ShellMesh:
@@ -179,17 +187,19 @@ class Workpiece:
 
     @cached_property
     def bad_elements(self) -> Ints:
-        """Rows of the elements that fail or are trias, worst first; of all where there are none.
+        """Rows of the elements that fail or are trias, worst first.
 
+        Where there are none, of those with an irregular node; where there is none either, of all.
         Failing elements come first, by their Q.I., then trias; equals in the order of their rows.
         Elements that no operation may take out are left out.
         """
         mesh = self.mesh
         editable = self.topology.editable
         index = element_index(self._measured, self.setting.scoring)
-        bad = np.nonzero((self.failing | mesh.is_tria) & editable)[0]
-        if not len(bad):
-            bad = np.nonzero(editable)[0]
+        for chosen in (self.failing | mesh.is_tria, self.irregular_elements, editable):
+            bad = np.nonzero(chosen & editable)[0]
+            if len(bad):
+                break
         order = np.lexsort((bad, -np.round(index[bad], 9), ~self.failing[bad]))
         return bad[order].astype(np.int32)
 

@@ -1,23 +1,15 @@
 """Simulated annealing of a patch by small changes (Kirkpatrick, Gelatt and Vecchi 1983).
 
 Every trial changes the topology in one place and relaxes the nodes there, or moves one node. What
-it adds to the energy decides whether it stays. The energy is what a mesh lacks: of each element its
-Q.I., and more where it fails or is a tria or is not sound; of each inner node, whether it is
-irregular, that is whether other than four elements meet there.
+it adds to the energy decides whether it stays: what lowers it does, what raises it does the more
+rarely the more it raises it and the lower the temperature is.
 
-See :mod:`meshops.kernels.living` for ``live`` and :mod:`meshops.kernels.node_scores` for ``ground``
-and ``scoring``. And:
+See :mod:`meshops.kernels.living` for ``live``, :mod:`meshops.kernels.lacking` for ``site`` and
+``prices``, :mod:`meshops.kernels.node_scores` for ``ground`` and ``scoring``. And:
 
-prices : (4,)
-    What a failing element, a tria, an irregular node and an element that is not sound cost.
-site : plane (3,), ground, outside (N,), fixed, area, wanted
-    The normal of a plane patch, (0, 0, 0) where it is curved and `ground` counts; how many elements
-    outside of the patch meet at a node, -1 where that node may have any number; how many nodes stay
-    where they are; the mean area of a quad, a tria being half of one; the wanted sizes.
-wanted : sizes (X, Y, Z), origin (3,), cell
-    Edge lengths by place, each for a cube of a grid.
-costs : of_elements (M,), of_nodes (N,), stamps (M,), node_stamps (N,), values (12,)
-    The energy as it is, and scratch.
+books : of_elements (M,), of_nodes (N,), stamps (M,), node_stamps (N,), nodes (K,), rows (K,),
+    fresh (K,), values (12,)
+    The energy as it is, and scratch for what a trial changes.
 """
 
 from __future__ import annotations
@@ -26,250 +18,60 @@ from math import log
 
 import numpy as np
 
+from meshops.kernels.lacking import (
+    Prices,
+    Site,
+    Wanted,
+    element_cost,
+    node_cost,
+)
 from meshops.kernels.living import (
     ELEMENT_CHANGES,
     NODE_CHANGES,
     Live,
-    ahead,
-    behind,
-    corner,
-    element_with_side,
     living,
-    put,
     settle,
     size_of_row,
     take_back,
 )
 from meshops.kernels.measures import CRITERIA
-from meshops.kernels.node_scores import (
-    Ground,
-    Scoring,
-    centre,
-    element_quality,
-    foot,
-    soundness,
-)
+from meshops.kernels.node_scores import Ground, Scoring
 from meshops.kernels.retopology import (
     collapse_diagonal_of,
     collapse_side,
+    is_whole,
     open_node,
     open_trias,
     split_row,
     swap_side,
 )
-from meshops.kernels.vectors import Vector, add, area_vector, compiled, cross, dot, length, scale, subtract, unit
-from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.kernels.vectors import area_vector, compiled, length
+from meshops.kernels.wandering import Random, draw, move_node, relax_nodes
+from meshops.mesh import Floats, Ids, Ints
 
-Prices = tuple[float, float, float, float]
-Wanted = tuple[Floats, Floats, float]
-Site = tuple[Floats, Ground, Ints, int, float, Wanted]
-Costs = tuple[Floats, Floats, Ids, Ids, Floats]
-
-SOUND = 0.05
-"""`corner_jacobian_min` from which an element is sound."""
-
-MOST_VALENCE = 8
-"""Elements that may meet at a node."""
-
-FAR_FROM_REGULAR = 1.5
-"""What each element too many or too few at a node costs beyond the first, over what that costs."""
-
-MOST_INDEX = 4.0
-"""Of a failing element: beyond that it does not matter by how much, so that it can change."""
-
-OFF_SIZE = 0.25
-"""What an element costs that has e times the area that is wanted there, or an e-th of it."""
+Books = tuple[Floats, Floats, Ids, Ids, Ints, Ints, Floats, Floats]
 
 LOOKS = 5
 """Elements that a trial looks at to find one where there is something to gain."""
 
-SWEEPS = 2
-"""Of relaxation after a change."""
+MOVE = 0.4
+"""Share of the trials that move a node."""
 
-OPPOSITE = 0.4
-"""Weight of the far node of a quad in the place that a node relaxes to (Herrmann 1976)."""
+SWAP, COLLAPSE, OPEN, COLLAPSE_SIDE, OPEN_TRIAS = 0.5, 0.65, 0.8, 0.88, 0.95
+"""Up to which number between 0 and 1 a change is of each kind; beyond them a quad is split."""
 
-MOVE, SWAP, COLLAPSE, OPEN, COLLAPSE_SIDE, OPEN_TRIAS = 0.4, 0.7, 0.79, 0.88, 0.93, 0.97
-"""Up to which number between 0 and 1 a trial is of each kind; beyond them a quad is split."""
+ROOM = 40
+"""Elements and nodes that may come to a patch, besides half as many as it has."""
 
-FARTHEST = 0.3
-"""Of the mean edge at a node: the farthest that it is moved in a trial."""
-
-
-@compiled
-def _draw(random: Ids) -> float:
-    """Next number from 0 to 1 of a xorshift generator (Marsaglia 2003); `random` (1,) uint64."""
-    x = random[0]
-    x ^= x << np.uint64(13)
-    x ^= x >> np.uint64(7)
-    x ^= x << np.uint64(17)
-    random[0] = x
-    return float(x >> np.uint64(11)) * (1.0 / 9007199254740992.0)
+SCRATCH = 128
+"""Elements that a trial may touch."""
 
 
 @compiled
-def _size_off(area: float, place: Vector, wanted: Wanted) -> float:
-    """Logarithm of a quad's area over the one that is wanted in its place."""
-    sizes, origin, cell = wanted
-    i = min(max(int((place[0] - origin[0]) / cell), 0), sizes.shape[0] - 1)
-    j = min(max(int((place[1] - origin[1]) / cell), 0), sizes.shape[1] - 1)
-    k = min(max(int((place[2] - origin[2]) / cell), 0), sizes.shape[2] - 1)
-    size = sizes[i, j, k]
-    return log(max(area, 1e-12 * size * size) / (size * size))
-
-
-@compiled
-def _element_cost(
-    live: Live, e: int, site: Site, prices: Prices, values: Floats, scoring: Scoring
-) -> float:
-    points, elements = live[0], live[1]
-    element = elements[e]
-    if element[0] < 0:
-        return 0.0
-    failed, index = element_quality(points, element, values, scoring)
-    a, b, c, d = element[0], element[1], element[2], element[3]
-    area = length(area_vector(points, a, b, c, d))
-    # by area, so that a mesh does not get better by having fewer elements
-    away = _size_off(area if d >= 0 else 2.0 * area, centre(points, element), site[5])
-    share = area / site[4]
-    cost: float = share * OFF_SIZE * away * away + failed * prices[0] * min(index / MOST_INDEX, 1.0)
-    if failed == 0.0:
-        cost += share * index
-    if element[3] < 0:
-        cost += prices[1]
-    plane, ground = site[0], site[1]
-    normal = (plane[0], plane[1], plane[2])
-    if plane[0] == 0.0 and plane[1] == 0.0 and plane[2] == 0.0:
-        _, normal, distance = foot(ground, centre(points, element))
-        if distance > ground[3]:
-            cost += prices[3]
-    lowest = soundness(points, element, normal)
-    if lowest < SOUND:
-        cost += prices[3] * (1.0 + SOUND - lowest)
-    return cost
-
-
-@compiled
-def _node_cost(live: Live, node: int, site: Site, prices: Prices) -> float:
-    around, outside = live[3], site[2]
-    if outside[node] < 0 or around[node] == 0:
-        return 0.0
-    away = abs(around[node] + outside[node] - 4)
-    if away == 0:
-        return 0.0
-    return prices[2] * (1.0 + FAR_FROM_REGULAR * (away - 1))
-
-
-@compiled
-def _is_whole(live: Live, site: Site) -> bool:
-    """Whether the elements that changed leave a surface: each side once, each node well used."""
-    _, elements, ring, around, log, _, _, sizes = live
-    outside, fixed = site[2], site[3]
-    for i in range(sizes[ELEMENT_CHANGES]):
-        for j in range(1, 5):  # a node that has lost elements
-            node = log[i, j]
-            if node < 0:
-                continue
-            if node < fixed and around[node] == 0:
-                return False
-            if node >= fixed and 0 < around[node] < 3:
-                return False
-        e = log[i, 0]
-        size = size_of_row(live, e)
-        for k in range(size):
-            a, b = elements[e, k], ahead(live, e, k)
-            if a == b or (size == 4 and k < 2 and a == elements[e, k + 2]):
-                return False
-            valence = around[a] + max(outside[a], 0)
-            if valence > MOST_VALENCE or (a >= fixed and valence < 3):
-                return False
-            same = opposed = 0
-            for m in range(around[a]):
-                other = ring[a, m]
-                c = corner(live, other, a)
-                same += ahead(live, other, c) == b
-                opposed += behind(live, other, c) == b
-            if same != 1 or opposed > 1:
-                return False
-    return True
-
-
-@compiled
-def _relaxed(live: Live, node: int) -> tuple[Vector, float]:
-    """Where a node relaxes to, between the mean of its neighbours and that of parallelograms.
-
-    Also returns the mean edge at the node.
-    """
-    points, elements, ring, around = live[0], live[1], live[2], live[3]
-    here = (points[node, 0], points[node, 1], points[node, 2])
-    total, weight, edges = (0.0, 0.0, 0.0), 0.0, 0.0
-    for i in range(around[node]):
-        e = ring[node, i]
-        k = corner(live, e, node)
-        a, b = ahead(live, e, k), behind(live, e, k)
-        p, q = (points[a, 0], points[a, 1], points[a, 2]), (points[b, 0], points[b, 1], points[b, 2])
-        edges += 0.5 * (length(subtract(p, here)) + length(subtract(q, here)))
-        total = add(total, add(p, q))
-        weight += 2.0
-        if elements[e, 3] >= 0:
-            o = elements[e, (k + 2) % 4]
-            total = subtract(total, scale((points[o, 0], points[o, 1], points[o, 2]), OPPOSITE))
-            weight -= OPPOSITE
-    return scale(total, 1.0 / weight), edges / around[node]
-
-
-@compiled
-def _onto(site: Site, place: Vector) -> Vector:
-    """Bring a place to the surface."""
-    plane, ground = site[0], site[1]
-    if plane[0] == 0.0 and plane[1] == 0.0 and plane[2] == 0.0:
-        on_surface: Vector = foot(ground, place)[0]
-        return on_surface
-    return place
-
-
-@compiled
-def _relax_changed(live: Live, site: Site, changed: Ints, count: int) -> bool:
-    """Relax the free ones of some nodes."""
-    for _ in range(SWEEPS):
-        for i in range(count):
-            node = changed[i]
-            if node >= site[3] and live[3][node] > 0:
-                place = _relaxed(live, node)[0]
-                if not put(live, node, _onto(site, place)):
-                    return False
-    return True
-
-
-@compiled
-def _move(live: Live, site: Site, node: int, random: Ids) -> bool:
-    """Move a node: a part of the way to where it relaxes, or anywhere near."""
-    points, elements, ring = live[0], live[1], live[2]
-    if node < site[3]:
-        return False
-    here = (points[node, 0], points[node, 1], points[node, 2])
-    relaxed, edge = _relaxed(live, node)
-    if _draw(random) < 0.3:
-        return put(live, node, _onto(site, add(here, scale(subtract(relaxed, here), _draw(random)))))
-    e = ring[node, 0]
-    k = corner(live, e, node)
-    a, b = ahead(live, e, k), behind(live, e, k)
-    p = subtract((points[a, 0], points[a, 1], points[a, 2]), here)
-    q = subtract((points[b, 0], points[b, 1], points[b, 2]), here)
-    normal = unit(cross(p, q))
-    along = unit(subtract(p, scale(normal, dot(p, normal))))
-    across = cross(normal, along)
-    reach = FARTHEST * edge * _draw(random)
-    x, y = reach * (2.0 * _draw(random) - 1.0), reach * (2.0 * _draw(random) - 1.0)
-    return put(live, node, _onto(site, add(here, add(scale(along, x), scale(across, y)))))
-
-
-@compiled
-def _change(live: Live, site: Site, e: int, random: Ids) -> bool:
+def _change(live: Live, site: Site, e: int, random: Random) -> bool:
     """Make one change of the topology at an element."""
     elements = live[1]
-    kind, i, j = _draw(random), int(_draw(random) * 1000.0), int(_draw(random) * 1000.0)
-    kind = MOVE + kind * (1.0 - MOVE)
+    kind, i, j = draw(random), int(draw(random) * 1000.0), int(draw(random) * 1000.0)
     side = i % size_of_row(live, e)
     if kind < SWAP:
         return swap_side(live, e, side, j)
@@ -322,21 +124,111 @@ def _changed_elements(live: Live, stamps: Ids, stamp: int, out: Ints) -> int:
 
 
 @compiled
-def _pick(live: Live, costs: Costs, threshold: float, most: int, random: Ids) -> int:
-    """An element, rather one where there is something to gain; -1 where none is found."""
+def _pick(live: Live, books: Books, threshold: float, random: Random) -> int:
+    """Draw an element, rather one where there is something to gain; -1 where none is found."""
     elements = live[1]
     found = -1
     for _ in range(10 * LOOKS):
-        e = int(_draw(random) * most)
+        e = int(draw(random) * len(elements))
         if elements[e, 0] < 0:
             continue
         found = e
-        cost = costs[0][e]
+        cost = books[0][e]
         for k in range(size_of_row(live, e)):
-            cost += costs[1][elements[e, k]]
-        if cost > threshold or _draw(random) < 1.0 / LOOKS:
+            cost += books[1][elements[e, k]]
+        if cost > threshold or draw(random) < 1.0 / LOOKS:
             break
     return found
+
+
+@compiled
+def _attempt(
+    live: Live, site: Site, books: Books, prices: Prices, trial: int, random: Random
+) -> tuple[int, int]:
+    """Change something; how many nodes have other elements, and how many elements are to be judged.
+
+    None is to be judged where nothing was done, and -1 where it is to be taken back.
+    """
+    _, _, stamps, node_stamps, changed_nodes, changed_rows, _, _ = books
+    e = _pick(live, books, 0.5 * prices[2], random)
+    if e < 0:
+        return 0, 0
+    nodes = 0
+    if draw(random) < MOVE:
+        k = int(draw(random) * size_of_row(live, e))
+        done = move_node(live, site, live[1][e, k], random)
+    else:
+        done = _change(live, site, e, random) and is_whole(live, site[2], site[3])
+        if done:
+            nodes = _changed_nodes(live, node_stamps, trial, changed_nodes)
+            done = relax_nodes(live, site, changed_nodes, nodes)
+    if not done:
+        return 0, -1
+    return nodes, _changed_elements(live, stamps, trial, changed_rows)
+
+
+@compiled
+def _gain(
+    live: Live,
+    site: Site,
+    books: Books,
+    prices: Prices,
+    nodes: int,
+    rows: int,
+    limit: float,
+    scoring: Scoring,
+) -> float:
+    """Find what a trial adds to the energy; anything above the limit where it is more."""
+    of_elements, of_nodes, _, _, changed_nodes, changed_rows, fresh, values = books
+    gain = 0.0
+    for i in range(rows):
+        gain -= of_elements[changed_rows[i]]
+    for i in range(nodes):
+        node = changed_nodes[i]
+        gain += node_cost(live, node, site, prices) - of_nodes[node]
+    for i in range(rows):
+        fresh[i] = element_cost(live, changed_rows[i], site, prices, values, scoring)
+        gain += fresh[i]
+        if gain > limit:
+            break
+    return gain
+
+
+@compiled
+def _book(live: Live, site: Site, books: Books, prices: Prices, nodes: int, rows: int) -> None:
+    """Keep a trial."""
+    of_elements, of_nodes, _, _, changed_nodes, changed_rows, fresh, _ = books
+    for i in range(rows):
+        of_elements[changed_rows[i]] = fresh[i]
+    for i in range(nodes):
+        of_nodes[changed_nodes[i]] = node_cost(live, changed_nodes[i], site, prices)
+    settle(live)
+
+
+@compiled
+def _mean_area(points: Floats, elements: Ints) -> float:
+    """Mean area of a quad, a tria being half of one."""
+    area, quads = 0.0, 0.0
+    for e in range(len(elements)):
+        a, b, c, d = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
+        area += length(area_vector(points, a, b, c, d))
+        quads += 0.5 if d < 0 else 1.0
+    return area / quads
+
+
+@compiled
+def _compact(live: Live, fixed: int) -> tuple[Floats, Ints]:
+    """Points that are used, those that stay first, and elements."""
+    points, elements, _, around, _, _, _, _ = live
+    used = around > 0
+    used[:fixed] = True
+    numbers = np.cumsum(used).astype(np.int32) - np.int32(1)
+    kept = elements[elements[:, 0] >= 0].copy()
+    for e in range(len(kept)):
+        for k in range(4):
+            if kept[e, k] >= 0:
+                kept[e, k] = numbers[kept[e, k]]
+    return points[used].copy(), kept
 
 
 @compiled
@@ -365,7 +257,7 @@ def anneal(
         How many elements outside of the patch meet at each node; -1: any number may meet there.
     fixed : int
     plane, ground, wanted, prices, scoring
-        As the module says.
+        As :mod:`meshops.kernels.lacking` says.
     temperatures : (hot, cold)
         On the scale of the energy; it falls from one to the other by the same share each trial.
     trials : int
@@ -376,82 +268,42 @@ def anneal(
     Whether there was room for the patch, its points and elements after it, border nodes first, and
     the energy before and after.
     """
-    room = len(elements) // 2 + 40
-    fits, live = living(points, elements, room)
+    fits, live = living(points, elements, len(elements) // 2 + ROOM)
     if not fits:
         return False, points, elements, 0.0, 0.0
-    of_elements, of_nodes = np.zeros(len(live[1])), np.zeros(len(live[0]))
-    counted = np.zeros(len(live[0]), np.int32)
+    most, most_nodes = len(live[1]), len(live[0])
+    counted = np.zeros(most_nodes, np.int32)
     counted[: len(outside)] = outside
-    area, quads = 0.0, 0.0
+    site = (plane, ground, counted, fixed, _mean_area(points, elements), wanted)
+    books = (
+        np.zeros(most),
+        np.zeros(most_nodes),
+        np.full(most, -1),
+        np.full(most_nodes, -1),
+        np.empty(SCRATCH, np.int32),
+        np.empty(SCRATCH, np.int32),
+        np.empty(SCRATCH),
+        np.empty(CRITERIA),
+    )
     for e in range(len(elements)):
-        a, b, c, d = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
-        area += length(area_vector(points, a, b, c, d))
-        quads += 0.5 if d < 0 else 1.0
-    site = (plane, ground, counted, fixed, area / quads, wanted)
-    values = np.empty(CRITERIA)
-    stamps, node_stamps = np.full(len(live[1]), -1), np.full(len(live[0]), -1)
-    costs = (of_elements, of_nodes, stamps, node_stamps, values)
-    for e in range(len(elements)):
-        of_elements[e] = _element_cost(live, e, site, prices, values, scoring)
+        books[0][e] = element_cost(live, e, site, prices, books[7], scoring)
     for node in range(len(points)):
-        of_nodes[node] = _node_cost(live, node, site, prices)
-    energy = before = of_elements.sum() + of_nodes.sum()
+        books[1][node] = node_cost(live, node, site, prices)
+    before = energy = books[0].sum() + books[1].sum()
     random = np.array([seed + 1], np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-    for _ in range(8):
-        _draw(random)
-    nodes_changed, rows_changed = np.empty(64, np.int32), np.empty(128, np.int32)
-    fresh = np.empty(128)
-    hot, cold = temperatures
-    temperature, fall = hot, (cold / hot) ** (1.0 / max(trials, 1))
-    threshold = 0.5 * prices[2]
-    most = len(live[1])
+    temperature = temperatures[0]
+    fall = (temperatures[1] / temperatures[0]) ** (1.0 / max(trials, 1))
     for trial in range(trials):
         temperature *= fall
-        e = _pick(live, costs, threshold, most, random)
-        if e < 0:
-            continue
-        if _draw(random) < MOVE:
-            k = int(_draw(random) * size_of_row(live, e))
-            done = _move(live, site, live[1][e, k], random)
-            nodes = 0
-        else:
-            done = _change(live, site, e, random) and _is_whole(live, site)
-            nodes = 0
-            if done:
-                nodes = _changed_nodes(live, node_stamps, trial, nodes_changed)
-                done = _relax_changed(live, site, nodes_changed, nodes)
-        rows = _changed_elements(live, stamps, trial, rows_changed) if done else -1
-        if rows < 0:
-            take_back(live)
-            continue
-        limit = -temperature * log(max(_draw(random), 1e-300))
-        gain = 0.0
-        for i in range(rows):
-            gain -= of_elements[rows_changed[i]]
-        for i in range(nodes):
-            node = nodes_changed[i]
-            gain += _node_cost(live, node, site, prices) - of_nodes[node]
-        for i in range(rows):
-            fresh[i] = _element_cost(live, rows_changed[i], site, prices, values, scoring)
-            gain += fresh[i]
-            if gain > limit:
-                break
-        if gain > limit:
-            take_back(live)
-            continue
-        for i in range(rows):
-            of_elements[rows_changed[i]] = fresh[i]
-        for i in range(nodes):
-            of_nodes[nodes_changed[i]] = _node_cost(live, nodes_changed[i], site, prices)
-        energy += gain
-        settle(live)
-    used = live[3] > 0
-    used[:fixed] = True
-    rows_of = np.cumsum(used).astype(np.int32) - np.int32(1)
-    kept = live[1][live[1][:, 0] >= 0].copy()
-    for i in range(len(kept)):
-        for k in range(4):
-            if kept[i, k] >= 0:
-                kept[i, k] = rows_of[kept[i, k]]
-    return True, live[0][used].copy(), kept, before, energy
+        nodes, rows = _attempt(live, site, books, prices, trial, random)
+        if rows > 0:
+            # drawn before the energy is known, so that what is surely too much is not finished
+            limit = -temperature * log(max(draw(random), 1e-300))
+            gain = _gain(live, site, books, prices, nodes, rows, limit, scoring)
+            if gain <= limit:
+                energy += gain
+                _book(live, site, books, prices, nodes, rows)
+                continue
+        take_back(live)
+    after, kept = _compact(live, fixed)
+    return True, after, kept, before, energy

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from meshops.kernels.living import (
+    ELEMENT_CHANGES,
     MOST_AROUND,
     Live,
     ahead,
@@ -26,6 +27,10 @@ from meshops.kernels.living import (
     unused_node,
 )
 from meshops.kernels.vectors import add, compiled, scale, subtract
+from meshops.mesh import Ints
+
+MOST_VALENCE = 8
+"""Elements that may meet at a node."""
 
 OPENING = 0.3
 """Of the way to the nodes around it: where the second node begins that one is split into."""
@@ -141,14 +146,12 @@ def collapse_side(live: Live, e: int, side: int, fixed: int) -> bool:
 
 
 @compiled
-def _rename_part(
-    live: Live, rows: Ints, first: int, last: int, node: int, other: int
-) -> bool:
+def _rename_part(live: Live, rows: Ints, first: int, last: int, node: int, other: int) -> bool:
     """Put another node into the elements of a fan from `first` to before `last`."""
+    done = True
     for i in range(first, last):
-        if not rename(live, rows[i % len(rows)], node, other):
-            return False
-    return True
+        done = done and rename(live, rows[i % len(rows)], node, other)
+    return done
 
 
 @compiled
@@ -234,3 +237,39 @@ def open_trias(live: Live, node: int, i: int, j: int, fixed: int) -> bool:
         and rewrite(live, begin, node, p, q, fresh)
         and rewrite(live, end, fresh, r, s, node)
     )
+
+
+@compiled
+def is_whole(live: Live, outside: Ints, fixed: int) -> bool:
+    """Whether the elements that changed leave a surface: each side once, each node well used.
+
+    `outside` (N,) is how many elements outside of the patch meet at each node, -1 where any may.
+    """
+    _, elements, ring, around, log, _, _, sizes = live
+    for i in range(sizes[ELEMENT_CHANGES]):
+        for j in range(1, 5):  # a node that has lost elements
+            node = log[i, j]
+            if node < 0:
+                continue
+            if node < fixed and around[node] == 0:
+                return False
+            if node >= fixed and 0 < around[node] < 3:
+                return False
+        e = log[i, 0]
+        size = size_of_row(live, e)
+        for k in range(size):
+            a, b = elements[e, k], ahead(live, e, k)
+            if a == b or (size == 4 and k < 2 and a == elements[e, k + 2]):
+                return False
+            valence = around[a] + max(outside[a], 0)
+            if valence > MOST_VALENCE or (a >= fixed and valence < 3):
+                return False
+            same = opposed = 0
+            for m in range(around[a]):
+                other = ring[a, m]
+                c = corner(live, other, a)
+                same += ahead(live, other, c) == b
+                opposed += behind(live, other, c) == b
+            if same != 1 or opposed > 1:
+                return False
+    return True

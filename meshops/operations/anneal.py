@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops.edit import Edit, apply
+from meshops.edit import Edit
 from meshops.fitness import IRREGULARITY
 from meshops.kernels.annealing import anneal
 from meshops.kernels.node_scores import EVEN
@@ -25,7 +25,7 @@ from meshops.workpiece import Workpiece
 RINGS = (2, 3, 4, 6, 9, 40)
 """Rings around the bad element that a gene chooses of; parameters may have more."""
 
-HEATS = ((0.4, 300), (0.2, 150), (0.1, 150), (0.4, 1000))
+HEATS = ((0.4, 300), (0.2, 600), (0.1, 300), (0.3, 1000))
 """Temperature at the start, and trials an element that is bad or has an irregular node."""
 
 COLD = 0.02
@@ -33,7 +33,7 @@ COLD = 0.02
 
 SEEDS = 1000
 
-PRICES = (4.0, 6.0, IRREGULARITY, 10.0)
+PRICES = (8.0, 6.0, IRREGULARITY, 10.0)
 """Of a failing element, a tria, an irregular node and an element that is not sound, over an element
 whose Q.I. is higher by 1."""
 
@@ -96,9 +96,13 @@ class AnnealSpace:
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
         """Places near the worst elements more often than others, a few of them again and again."""
-        bad, *others = self._shape
-        ranks = (bad * rng.random(TRIED) ** 2).astype(np.int64)
-        genes = [ranks, *(rng.integers(0, bound, TRIED) for bound in others)]
+        bad, rings, heats, seeds = self._shape
+        genes = (
+            (bad * rng.random(TRIED) ** 2).astype(np.int64),
+            rng.integers(0, rings, TRIED),
+            rng.integers(0, heats, TRIED),
+            rng.integers(0, seeds, TRIED),
+        )
         genomes: Ids = np.resize(np.ravel_multi_index(genes, self._shape), count)[:, None]
         return genomes
 
@@ -151,7 +155,7 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
     patch = extract(workpiece.topology, rows)
     fixed = patch.border_nodes
     outside = _outside(workpiece, patch)
-    wanting = np.count_nonzero(_wanting(workpiece, rows))
+    wanting = int(np.count_nonzero(_wanting(workpiece, rows)))
     if not wanting or fixed == len(patch.points):
         return Edit()
     hot, effort = HEATS[heat]
@@ -184,11 +188,9 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
 
 def _wanting(workpiece: Workpiece, rows: Ints) -> Bools:
     """(m,) bool: which elements fail, are trias, or have an irregular node."""
-    mesh = workpiece.mesh
-    elements = mesh.elements[rows]
-    irregular = workpiece.irregular[elements] & (elements != NO_NODE)
-    wanting: Bools = irregular.any(axis=1) | workpiece.failing[rows] | mesh.is_tria[rows]
-    return wanting
+    wanting = workpiece.irregular_elements | workpiece.failing | workpiece.mesh.is_tria
+    wanted: Bools = wanting[rows]
+    return wanted
 
 
 def _outside(workpiece: Workpiece, patch: Patch) -> Ints:
@@ -228,7 +230,9 @@ def _sizes_at_nodes(patch: Patch) -> Floats:
     nodes = patch.elements[is_node]
     weights = np.broadcast_to(areas[:, None], is_node.shape)[is_node]
     count = len(patch.points)
-    sizes: Floats = np.sqrt(np.bincount(nodes, weights, count) / np.bincount(nodes, minlength=count))
+    sizes: Floats = np.sqrt(
+        np.bincount(nodes, weights, count) / np.bincount(nodes, minlength=count)
+    )
     return sizes
 
 
