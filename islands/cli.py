@@ -111,6 +111,12 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 @click.option("--islands", type=int, metavar="N")
 @click.option("--population", type=int, metavar="N", help="Individuals on each island.")
 @click.option("--generations", type=int, metavar="N")
+@click.option(
+    "--flow",
+    type=int,
+    metavar="ROUNDS",
+    help="Rounds in which rows of quads become longer everywhere, not just where faults are.",
+)
 @click.option("--seed", type=int, metavar="S")
 @click.option("--time-limit", type=float, metavar="SECONDS")
 @click.option("--backend", type=click.Choice(["local", "ray"]))

@@ -9,7 +9,7 @@ from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
 from meshops.operations import OPERATIONS
-from meshops.patch import components, extract, join
+from meshops.patch import components, join
 from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, corners, crossable_edges, place, sides, users, within
