@@ -10,7 +10,7 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.partition import partition
 from meshops.mesh import NEW, NO_NODE, Floats, Ints, ShellMesh
-from meshops.patch import Patch, extract
+from meshops.patch import Patch, extract_each
 from meshops.surface import PatchSurface
 from meshops.workpiece import Workpiece
 
@@ -127,13 +127,15 @@ def subdomains(workpiece: Workpiece, extent: Extent, turn: int) -> list[Subdomai
     chosen = np.nonzero(label >= 0)[0].astype(np.int32)
     order = np.argsort(label[chosen], kind="stable")
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]
-    found = []
-    for rows in np.split(chosen[order], ends):
-        subdomain = Subdomain.of(extract(topology, rows))
-        trias = np.count_nonzero(subdomain.mesh.is_tria)
-        if workpiece.failing[rows].any() or trias > subdomain.least_trias:
-            found.append(subdomain)
-    return found
+    # The sides of all elements are odd in number where the trias are, and so is the border, since
+    # each inner edge has two sides: one tria is what the border asks for, two are not.
+    failing, is_tria = workpiece.failing, workpiece.mesh.is_tria
+    gaining = [
+        rows
+        for rows in np.split(chosen[order], ends)
+        if failing[rows].any() or np.count_nonzero(is_tria[rows]) > 1
+    ]
+    return [Subdomain.of(patch) for patch in extract_each(topology, gaining)]
 
 
 def places(workpiece: Workpiece) -> Ints:
