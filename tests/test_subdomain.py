@@ -10,6 +10,7 @@ from meshops.edit import apply
 from meshops.fitness import Fitness
 from meshops.operations import OPERATIONS
 from meshops.patch import components, extract, join
+from meshops.quality import element_index
 from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, corners, crossable_edges, place, sides, users, within
@@ -160,6 +161,17 @@ def test_regions_and_folds_end_a_subdomain():
     plate = joined(two_trias(4, 4), shaped(sheet(4, 4), lambda x, y: (x + 4, y, 0 * x)))
     (found,) = subdomains(workpiece(folded(plate, 4.0)), Extent(99, 999), 0)
     assert not found.mesh.points[:, 2].any()
+
+
+@bounded
+@given(meshes(ALL_KINDS))
+def test_the_worst_elements_come_first_and_sound_quads_only_where_there_is_nothing_else(mesh):
+    piece = workpiece(mesh)
+    index = np.round(element_index(mesh, piece.setting.scoring), 9)
+    failing, editable = piece.failing, np.nonzero(piece.topology.editable)[0].tolist()
+    bad = [row for row in editable if failing[row] or mesh.is_tria[row]] or editable
+    worst_first = sorted(bad, key=lambda row: (not failing[row], -index[row], row))
+    assert piece.bad_elements.tolist() == worst_first
 
 
 # --- the mesh of a subdomain --------------------------------------------------------------------
