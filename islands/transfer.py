@@ -42,11 +42,13 @@ def transfer(
     for done in procedure.rounds:
         assert done.extent is not None
         known = [place for place in done.places if place.steps]
+        if not known:
+            continue
+        centres = _relative(np.array([place.centre for place in known]), procedure.box)
         start = Workpiece(mesh, setting)
-        found = subdomains(start, done.extent, done.turn, done.aim) if known else []
         places, edits = [], []
-        for subdomain in found:
-            steps = _nearest(known, procedure.box, subdomain.centre, box).steps
+        for subdomain in subdomains(start, done.extent, done.turn, done.aim):
+            steps = known[_nearest(centres, _relative(subdomain.centre[None], box))].steps
             surface = reference.around(subdomain.patch)
             place, edit = _take_over(mesh, subdomain, steps, operations, setting, surface)
             places.append(place)
@@ -57,10 +59,9 @@ def transfer(
     return mesh, tuple(rounds)
 
 
-def _nearest(places: list[Place], box: Floats, centre: Floats, own_box: Floats) -> Place:
-    centres = _relative(np.array([place.centre for place in places]), box)
-    distance = np.linalg.norm(centres - _relative(centre[None], own_box), axis=1)
-    return places[int(np.argmin(distance))]
+def _nearest(centres: Floats, centre: Floats) -> int:
+    """Row of the nearest of centres (P, 3) to one (1, 3); the first of equals."""
+    return int(np.argmin(np.linalg.norm(centres - centre, axis=1)))
 
 
 def _relative(points: Floats, box: Floats) -> Floats:

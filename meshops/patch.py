@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,24 +64,34 @@ def components(topology: Topology, selected: Bools) -> list[Ints]:
 
 def extract(topology: Topology, rows: Ints) -> Patch:
     """Cut out one component; `rows` ascending."""
+    return next(extract_each(topology, [rows]))
+
+
+def extract_each(topology: Topology, components: Iterable[Ints]) -> Iterator[Patch]:
+    """Cut out components; the rows of each ascending.
+
+    What is as large as the mesh is made once for all of them and not for each.
+    """
     mesh = topology.mesh
-    elements, nodes, border = cut(
-        rows,
-        mesh.elements,
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        np.full(len(mesh.elements), -1, np.int32),
-    )
-    return Patch(
-        points=mesh.points[nodes],
-        elements=elements,
-        border=border,
-        border_nodes=int(border.max()) + 1 if len(border) else 0,
-        rows=rows,
-        nodes=nodes,
-        region=int(mesh.region[rows[0]]),
-    )
+    scratch = np.full(len(mesh.elements), -1, np.int32)
+    for rows in components:
+        elements, nodes, border = cut(
+            rows,
+            mesh.elements,
+            topology.element_edges,
+            topology.edge_elements,
+            topology.crossable,
+            scratch,
+        )
+        yield Patch(
+            points=mesh.points[nodes],
+            elements=elements,
+            border=border,
+            border_nodes=int(border.max()) + 1 if len(border) else 0,
+            rows=rows,
+            nodes=nodes,
+            region=int(mesh.region[rows[0]]),
+        )
 
 
 def stitch(mesh: ShellMesh, patch: Patch, points: Floats, elements: Ints) -> Edit:

@@ -11,7 +11,7 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.partition import partition
 from meshops.mesh import NEW, NO_NODE, Floats, Ints, ShellMesh
-from meshops.patch import Patch, extract
+from meshops.patch import Patch, extract_each
 from meshops.surface import PatchSurface
 from meshops.topology import Topology, valences
 from meshops.workpiece import Workpiece
@@ -52,9 +52,8 @@ class Subdomain:
     outside: Ints
 
     @classmethod
-    def of(cls, topology: Topology, rows: Ints) -> Subdomain:
-        """Cut out one component; `rows` ascending."""
-        patch = extract(topology, rows)
+    def of(cls, topology: Topology, patch: Patch) -> Subdomain:
+        """Make a mesh of a patch that was cut out of a mesh with this topology."""
         locked = np.zeros(len(patch.points), bool)
         locked[: patch.border_nodes] = True
         region = np.full(len(patch.elements), patch.region)
@@ -143,14 +142,15 @@ def subdomains(
     chosen = np.nonzero(label >= 0)[0].astype(np.int32)
     order = np.argsort(label[chosen], kind="stable")
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]
-    found = []
-    for rows in np.split(chosen[order], ends):
-        subdomain = Subdomain.of(topology, rows)
-        trias = np.count_nonzero(subdomain.mesh.is_tria)
-        faulty = workpiece.failing[rows].any() or trias > subdomain.least_trias
-        if faulty or aim == "flow":
-            found.append(subdomain)
-    return found
+    # The sides of all elements are odd in number where the trias are, and so is the border, since
+    # each inner edge has two sides: one tria is what the border asks for, two are not.
+    failing, is_tria = workpiece.failing, workpiece.mesh.is_tria
+    gaining = [
+        rows
+        for rows in np.split(chosen[order], ends)
+        if aim == "flow" or failing[rows].any() or np.count_nonzero(is_tria[rows]) > 1
+    ]
+    return [Subdomain.of(topology, patch) for patch in extract_each(topology, gaining)]
 
 
 def places(workpiece: Workpiece) -> Ints:

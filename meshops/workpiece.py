@@ -13,7 +13,7 @@ from meshops.fitness import Fitness
 from meshops.kernels.patches import rings_around
 from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS, tally_elements
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
-from meshops.quality import element_index, failed_elements
+from meshops.quality import element_penalties, failed_elements, index_of_penalties
 from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology, valences
@@ -195,12 +195,13 @@ class Workpiece:
         """
         mesh = self.mesh
         editable = self.topology.editable
-        index = element_index(self._measured, self.setting.scoring)
         for chosen in (self.failing | mesh.is_tria, self.irregular_elements, editable):
             bad = np.nonzero(chosen & editable)[0]
             if len(bad):
                 break
-        order = np.lexsort((bad, -np.round(index[bad], 9), ~self.failing[bad]))
+        scoring = self.setting.scoring
+        index = index_of_penalties(element_penalties(self._measured, scoring)[bad], scoring)
+        order = np.lexsort((bad, -np.round(index, 9), ~self.failing[bad]))
         return bad[order].astype(np.int32)
 
     @cached_property

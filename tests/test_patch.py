@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from meshops.edit import apply
-from meshops.patch import components, extract, join, stitch
+from meshops.patch import components, extract, extract_each, join, stitch
 from meshops.topology import topology
 from tests.meshes import (
     CURVED_KINDS,
@@ -89,6 +89,30 @@ def test_a_patch_is_a_view_of_the_mesh(case):
         assert np.array_equal(of_mesh, mesh.elements[patch.rows])
         assert set(mesh.region[patch.rows]) == {patch.region}
         assert set(patch.elements[is_corner]) == set(range(len(patch.nodes)))
+
+
+@bounded
+@given(selections())
+def test_patches_that_are_cut_out_together_are_those_cut_out_alone(case):
+    mesh, selected = case
+    found = topology(mesh)
+    parts = components(found, selected)
+    together = list(extract_each(found, parts))
+    assert len(together) == len(parts)
+    for one, rows in zip(together, parts, strict=True):
+        alone = extract(found, rows)
+        for name in ("points", "elements", "border", "rows", "nodes"):
+            assert np.array_equal(getattr(one, name), getattr(alone, name)), name
+        assert (one.border_nodes, one.region) == (alone.border_nodes, alone.region)
+
+
+@bounded
+@given(selections())
+def test_a_border_is_odd_where_the_trias_are(case):
+    """So two trias in a patch are always one too many, and one never is."""
+    mesh, selected = case
+    for patch in patches_of(mesh, selected):
+        assert len(patch.border) % 2 == np.count_nonzero(mesh.is_tria[patch.rows]) % 2
 
 
 @bounded

@@ -9,7 +9,8 @@ from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
 from meshops.operations import OPERATIONS
-from meshops.patch import components, join
+from meshops.patch import components, extract, join
+from meshops.quality import element_index
 from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, corners, crossable_edges, place, sides, users, within
@@ -162,6 +163,17 @@ def test_regions_and_folds_end_a_subdomain():
     assert not found.mesh.points[:, 2].any()
 
 
+@bounded
+@given(meshes(ALL_KINDS))
+def test_the_worst_elements_come_first_and_sound_quads_only_where_there_is_nothing_else(mesh):
+    piece = workpiece(mesh)
+    index = np.round(element_index(mesh, piece.setting.scoring), 9)
+    failing, editable = piece.failing, np.nonzero(piece.topology.editable)[0].tolist()
+    bad = [row for row in editable if failing[row] or mesh.is_tria[row]] or editable
+    worst_first = sorted(bad, key=lambda row: (not failing[row], -index[row], row))
+    assert piece.bad_elements.tolist() == worst_first
+
+
 # --- the mesh of a subdomain --------------------------------------------------------------------
 
 
@@ -253,7 +265,7 @@ def test_moved_nodes_keep_their_id_and_locked_ones_their_place():
     mesh = with_(two_trias(5, 5), node_ids=np.arange(36) + 900)
     piece = workpiece(mesh)
     (rows,) = components(piece.topology, np.ones(len(mesh.elements), bool))
-    subdomain = Subdomain.of(piece.topology, rows)
+    subdomain = Subdomain.of(piece.topology, extract(piece.topology, rows))
     points = subdomain.mesh.points.copy()
     inner = np.nonzero(~subdomain.mesh.locked_nodes)[0]
     points[inner[0], :2] += 0.1
