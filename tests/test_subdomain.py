@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
+from meshops.kernels.quality import IRREGULAR
 from meshops.operations import OPERATIONS
 from meshops.patch import components, extract, join
 from meshops.quality import element_index
@@ -38,8 +39,9 @@ bounded = settings(max_examples=40, deadline=None)
 seeds = st.integers(0, 10**6)
 
 
-def workpiece(mesh):
-    return Workpiece(mesh, Setting(STANDARD.at(1.0), Fitness("quality", len(mesh.elements))))
+def workpiece(mesh, outside=None):
+    fitness = Fitness("quality", len(mesh.elements))
+    return Workpiece(mesh, Setting(STANDARD.at(1.0), fitness, outside=outside))
 
 
 def rows_of(found):
@@ -217,12 +219,12 @@ def test_what_is_done_inside_leaves_all_outside_as_it_was(mesh, extent, operatio
     piece = workpiece(mesh)
     merged, edits = piece.tally, []
     for subdomain in subdomains(piece, extent, seed % 3):
-        own = workpiece(subdomain.mesh)
+        own = workpiece(subdomain.mesh, subdomain.outside)
         for after, _ in tried(operation, own, seed, count=1):
             edit = subdomain.edit(mesh, after)
             edits.append(edit)
             alone = apply(mesh, edit)
-            change = workpiece(after).tally - own.tally
+            change = workpiece(after, subdomain.outside).tally - own.tally
             merged = merged + change
             np.testing.assert_allclose(
                 workpiece(alone).tally, piece.tally + change, rtol=1e-9, atol=1e-8
@@ -230,7 +232,9 @@ def test_what_is_done_inside_leaves_all_outside_as_it_was(mesh, extent, operatio
             assert_outside_is_untouched(mesh, alone, subdomain)
             assert_untouched_elements_keep_their_id(mesh, alone, subdomain, after)
     together = apply(mesh, join(mesh, edits))
-    np.testing.assert_allclose(workpiece(together).tally, merged, rtol=1e-9, atol=1e-7)
+    # two subdomains may both change how many elements meet at a node between them
+    found = np.delete(workpiece(together).tally, IRREGULAR)
+    np.testing.assert_allclose(found, np.delete(merged, IRREGULAR), rtol=1e-9, atol=1e-7)
     assert barriers(together) == barriers(mesh)
     assert_ids_are_kept(mesh, together)
     assert_nothing_locked_has_changed(mesh, together)
