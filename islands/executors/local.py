@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from islands.archipelago import TimeUpError
 from islands.genetics import Breeding
@@ -16,6 +16,7 @@ from islands.integration_ga import (
     Problem,
     Task,
     Work,
+    Workbench,
     run_task,
 )
 from islands.island import IslandState, Migrants, step
@@ -36,11 +37,14 @@ class LocalRunner:
         A time of time.monotonic().
     heed : callable
         Raises KeyboardInterrupt where the user wants to end.
+    bench : Workbench
+        Other runners may share it.
     """
 
     problem: Problem
     deadline: float
     heed: Callable[[], None] = _never
+    bench: Workbench = field(default_factory=Workbench)
 
     def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
         """Run one after the other; TimeUpError where the deadline has passed."""
@@ -49,7 +53,7 @@ class LocalRunner:
             self.heed()
             if time.monotonic() >= self.deadline:
                 raise TimeUpError
-            results.append(run_task(self.problem, task, mesh))
+            results.append(run_task(self.problem, task, mesh, self.bench))
         return results
 
 
@@ -72,8 +76,9 @@ class LocalExecutor:
 
     def open(self, works: Sequence[Work]) -> None:
         """Forget what earlier works have taught."""
+        bench = Workbench()
         self._evaluators = [
-            evaluator(work, self._deadline, len(works), self._heed) for work in works
+            evaluator(work, self._deadline, len(works), bench, self._heed) for work in works
         ]
 
     def advance(
@@ -89,12 +94,16 @@ class LocalExecutor:
 
 
 def evaluator(
-    work: Work, deadline: float, sharers: int, heed: Callable[[], None] = _never
+    work: Work,
+    deadline: float,
+    sharers: int,
+    bench: Workbench,
+    heed: Callable[[], None] = _never,
 ) -> Evaluator:
-    """Make an evaluator that works in this process; `sharers` evaluators share its memory."""
+    """Make an evaluator that works in this process; `sharers` share its memory, and the bench."""
     return Evaluator(
         work.problem,
-        LocalRunner(work.problem, deadline, heed),
+        LocalRunner(work.problem, deadline, heed, bench),
         work.root,
         work.mesh,
         is_enough=work.is_solved,
