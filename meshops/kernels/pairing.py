@@ -20,19 +20,20 @@ def tria_neighbours(trias: Ints, nodes: int) -> Ints:
     for n in range(nodes):
         start[n + 1] += start[n]
     fill = start[:-1].copy()
-    sides = np.empty(3 * count, np.int32)
+    owners = np.empty(3 * count, np.int32)  # of the sides that begin at each node
+    ends = np.empty(3 * count, np.int32)
     for t in range(count):
         for k in range(3):
             node = trias[t, k]
-            sides[fill[node]] = 3 * t + k
+            owners[fill[node]] = t
+            ends[fill[node]] = trias[t, (k + 1) % 3]
             fill[node] += 1
     for t in range(count):
         for k in range(3):
             a, b = trias[t, k], trias[t, (k + 1) % 3]
             for i in range(start[b], start[b + 1]):
-                other, side = sides[i] // 3, sides[i] % 3
-                if trias[other, (side + 1) % 3] == a:
-                    neighbours[t, k] = other
+                if ends[i] == a:
+                    neighbours[t, k] = owners[i]
     return neighbours
 
 
@@ -96,16 +97,39 @@ def match_greedily(neighbours: Ints, shapes: Floats, least: float) -> Ints:
     """Pair neighbours by falling shape down to `least`; (T,) int32 mate of each tria or -1."""
     count = len(neighbours)
     mate = np.full(count, -1, np.int32)
-    flat = shapes.ravel()
-    order = np.argsort(-flat, kind="mergesort")
-    for i in order:
-        if flat[i] < least:
-            break
-        t, other = i // 3, neighbours[i // 3, i % 3]
-        if other >= 0 and mate[t] < 0 and mate[other] < 0:
+    pairs = np.empty(neighbours.size, np.int32)
+    falling = np.empty(neighbours.size)
+    found = 0
+    for t in range(count):
+        for k in range(3):
+            # each pair once: of equals the one with the first tria comes first
+            if neighbours[t, k] > t and shapes[t, k] >= least:
+                pairs[found] = 3 * t + k
+                falling[found] = -shapes[t, k]
+                found += 1
+    for i in np.argsort(falling[:found], kind="mergesort"):
+        t = pairs[i] // 3
+        other = neighbours[t, pairs[i] - 3 * t]
+        if mate[t] < 0 and mate[other] < 0:
             mate[t] = other
             mate[other] = t
     return mate
+
+
+@compiled
+def _sides_by_shape(shapes: Floats) -> Ints:
+    """(T, 3) sides of each tria, the best shape first; of equals the first."""
+    order = np.empty(shapes.shape, np.int32)
+    for t in range(len(shapes)):
+        first, second, third = 0, 1, 2
+        if shapes[t, second] > shapes[t, first]:
+            first, second = second, first
+        if shapes[t, third] > shapes[t, second]:
+            second, third = third, second
+            if shapes[t, second] > shapes[t, first]:
+                first, second = second, first
+        order[t, 0], order[t, 1], order[t, 2] = first, second, third
+    return order
 
 
 @compiled
@@ -149,9 +173,7 @@ def match_completely(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
     in_blossom = np.empty(count, np.int32)
     mark = np.empty(count, np.int32)
     queue = np.empty(count, np.int32)
-    order = np.empty(neighbours.shape, np.int32)
-    for t in range(count):
-        order[t] = np.argsort(-shapes[t], kind="mergesort")
+    order = _sides_by_shape(shapes)
     for root in range(count):
         if mate[root] >= 0:
             continue
