@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshops.kernels.vectors import compiled
+from meshops.kernels.vectors import compiled, edge, inlined
 from meshops.mesh import Bools, Floats, Ints
 
 
@@ -247,6 +247,51 @@ def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
 
 
 @compiled
+def pair_up(points: Floats, trias: Ints, least: float, good: float) -> Ints:
+    """(M, 4) elements of trias (T, 3), paired as completely as can be, good quads first.
+
+    No quad is of a shape below `least`; those down to `good` are taken greedily.
+    """
+    neighbours = tria_neighbours(trias, len(points))
+    shapes = pair_shapes(points, trias, neighbours)
+    allowed = neighbours.copy()
+    for t in range(len(trias)):
+        for k in range(3):
+            if shapes[t, k] < least:
+                allowed[t, k] = -1
+    mate = match_completely(allowed, shapes, match_greedily(allowed, shapes, good))
+    return merge_pairs(trias, neighbours, mate)
+
+
+@compiled
+def _is_better_across(points: Floats, a: int, b: int, c: int, d: int) -> bool:
+    """Whether quad abcd is split along ac rather than along bd."""
+    return min(_tria_shape(points, a, b, c), _tria_shape(points, a, c, d)) >= min(
+        _tria_shape(points, a, b, d), _tria_shape(points, b, c, d)
+    )
+
+
+@compiled
+def as_trias(points: Floats, elements: Ints) -> Ints:
+    """(T, 3) int32: trias as they are, quads split along their better diagonal, in their order."""
+    trias = np.empty((2 * len(elements), 3), np.int32)
+    count = 0
+    for e in range(len(elements)):
+        a, b, c, d = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
+        if d >= 0 and not _is_better_across(points, a, b, c, d):
+            trias[count, 0], trias[count, 1], trias[count, 2] = a, b, d
+            trias[count + 1, 0], trias[count + 1, 1], trias[count + 1, 2] = b, c, d
+            count += 2
+            continue
+        trias[count, 0], trias[count, 1], trias[count, 2] = a, b, c
+        count += 1
+        if d >= 0:
+            trias[count, 0], trias[count, 1], trias[count, 2] = a, c, d
+            count += 1
+    return trias[:count].copy()
+
+
+@compiled
 def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     """Split the chosen quads along their better diagonal.
 
@@ -260,9 +305,7 @@ def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
             result[count] = elements[e]
             count += 1
             continue
-        if min(_tria_shape(points, a, b, c), _tria_shape(points, a, c, d)) >= min(
-            _tria_shape(points, a, b, d), _tria_shape(points, b, c, d)
-        ):
+        if _is_better_across(points, a, b, c, d):
             result[count, 0], result[count, 1], result[count, 2] = a, b, c
             result[count + 1, 0], result[count + 1, 1], result[count + 1, 2] = a, c, d
         else:
@@ -272,12 +315,11 @@ def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     return result[:count].copy()
 
 
-@compiled
+@inlined
 def _tria_shape(points: Floats, a: int, b: int, c: int) -> float:
     """Area over the sum of squared sides: greatest for the regular tria."""
-    p, q, r = points[a], points[b], points[c]
-    ux, uy, uz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-    vx, vy, vz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    ux, uy, uz = edge(points, a, b)
+    vx, vy, vz = edge(points, a, c)
     wx, wy, wz = vx - ux, vy - uy, vz - uz
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     sides = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz

@@ -40,7 +40,7 @@ def elements_of_nodes(elements: Ints, nodes: int) -> tuple[Ints, Ints]:
     return start, around
 
 
-@compiled
+@inlined
 def own_corner(points: Floats, a: int, b: int, c: int, d: int) -> float:
     """`corner_jacobian_min` of an element along its own mean normal."""
     n = unit(area_vector(points, a, b, c, d))
@@ -89,7 +89,7 @@ def _put(points: Floats, node: int, place: Vector) -> None:
 
 @compiled
 def _neighbours(elements: Ints, start: Ints, around: Ints, first_free: int) -> Ints:
-    """(A, 2) the nodes after and before a node in each element of `around`, from a row on."""
+    """List (A, 2) nodes after and before each node, from a row on, in each element around it."""
     neighbours = np.empty((len(around), 2), np.int32)
     for node in range(first_free, len(start) - 1):
         for i in range(start[node], start[node + 1]):
