@@ -157,17 +157,16 @@ def score_trial(
     first, last = start[node], start[node + 1]
     worst = around[first]
     for i in range(first, last):
-        e = around[i]
-        if soundness(points, elements[e], row(surface, e)) < least[e]:
-            return REJECTED
-        if quality[e, 1] > quality[worst, 1]:
-            worst = e
-    # the element that is the worst now rejects most trials, and one that is spared is time gained
+        if quality[around[i], 1] > quality[worst, 1]:
+            worst = around[i]
+    # the element that is the worst now rejects most trials, and what is spared then is time gained
     failed, total = 0.0, 0.0
     for i in range(first - 1, last):
         e = worst if i < first else around[i]
         if i >= first and e == worst:
             continue
+        if soundness(points, elements[e], row(surface, e)) < least[e]:
+            return REJECTED
         fails, index = element_quality(points, elements[e], values, scoring)
         trial[e, 0], trial[e, 1] = fails, index
         failed += fails
