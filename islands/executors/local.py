@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from islands.archipelago import TimeUpError
+from islands.executors.pool import PoolRunner
 from islands.genetics import Breeding
 from islands.integration_ga import (
     REMEMBERED_BYTES,
@@ -58,24 +59,39 @@ class LocalRunner:
 
 
 class LocalExecutor:
-    """All islands in this process."""
+    """All islands in this process.
+
+    With more than one worker the operation GAs of a mesh that is one place run in processes of
+    their own; those of many small places take milliseconds and stay here.
+    """
 
     def __init__(
         self,
         breeding: Breeding,
         genes: int,
         *,
+        workers: int = 1,
         deadline: float = float("inf"),
         heed: Callable[[], None] = _never,
     ) -> None:
         self._breeding = breeding
         self._genes = genes
+        self._workers = workers
+        self._pool: PoolRunner | None = None
         self._deadline = deadline
         self._heed = heed
         self._evaluators: list[Evaluator] = []
 
     def open(self, works: Sequence[Work]) -> None:
         """Forget what earlier works have taught."""
+        self.close()
+        if self._workers > 1 and len(works) == 1:
+            work = works[0]
+            self._pool = PoolRunner(work.problem, self._workers, self._deadline, self._heed)
+            self._evaluators = [
+                Evaluator(work.problem, self._pool, work.root, work.mesh, is_enough=work.is_solved)
+            ]
+            return
         bench = Workbench()
         self._evaluators = [
             evaluator(work, self._deadline, len(works), bench, self._heed) for work in works
@@ -90,7 +106,10 @@ class LocalExecutor:
             yield step(state, immigrants, scorer, self._breeding, self._genes)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """End the worker processes, if any."""
+        if self._pool is not None:
+            self._pool.close()
+            self._pool = None
 
 
 def evaluator(
