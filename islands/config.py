@@ -87,6 +87,7 @@ class Config(BaseModel):
     time_limit: float | None = Field(None, gt=0)
     backend: Literal["local", "ray"] = "local"
     address: str | None = None
+    workers: int = Field(1, ge=1)
     track: str | None = None
     warm_start: str | None = None
 

@@ -30,6 +30,9 @@ REMEMBERED_BYTES = 5e8
 STANDING_STILL = 0.5
 """Of a tria: what a drifting individual loses that ends with the mesh that it began with."""
 
+KEPT_WORKPIECES = 8
+"""On a workbench. More hardly pay: an individual goes on with the mesh that it has just made."""
+
 BYTES_AN_ELEMENT = 150
 """Of a `ShellMesh`, with its share of nodes."""
 
@@ -163,13 +166,38 @@ class Runner(Protocol):
         """Run each task on the mesh that its handle stands for; results in the same order."""
 
 
-def run_task(problem: Problem, task: Task, mesh: ShellMesh) -> tuple[Outcome, ShellMesh]:
-    """Run one operation GA: a pure function of the problem and the task."""
+class Workbench:
+    """The workpieces lately worked on, so that what is known of a mesh is found out once.
+
+    Most meshes are tried with several operations and by several individuals, one after the other.
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[Problem, str], Workpiece] = OrderedDict()
+
+    def take(self, problem: Problem, digest: str, mesh: ShellMesh) -> Workpiece:
+        """Return the workpiece of a mesh, which has this digest."""
+        key = problem, digest
+        if key not in self._kept:
+            self._kept[key] = Workpiece(mesh, problem.setting, problem.reference)
+        self._kept.move_to_end(key)
+        while len(self._kept) > KEPT_WORKPIECES:
+            self._kept.popitem(last=False)
+        return self._kept[key]
+
+
+def run_task(
+    problem: Problem, task: Task, mesh: ShellMesh, bench: Workbench | None = None
+) -> tuple[Outcome, ShellMesh]:
+    """Run one operation GA: a pure function of the problem and the task.
+
+    What the bench knows of the mesh already is not found out again.
+    """
     operation = next(o for o in problem.operations if o.code == task.code)
     rng = np.random.default_rng(
         [problem.seed, problem.turn, int(task.mesh, 16), task.code, task.attempt]
     )
-    workpiece = Workpiece(mesh, problem.setting, problem.reference)
+    workpiece = (bench or Workbench()).take(problem, task.mesh, mesh)
     found = evolve(operation, workpiece, problem.breeding, rng, improving=problem.improving)
     if found.edit.is_empty:
         return Outcome(task.mesh, workpiece.tally, found.parameters, found.evaluations), mesh

@@ -133,7 +133,9 @@ def start_executor(job: Job, deadline: float, heed: Callable[[], None] = lambda:
     """
     config = job.config
     if config.backend == "local":
-        return LocalExecutor(config.breeding, config.genes, deadline=deadline, heed=heed)
+        return LocalExecutor(
+            config.breeding, config.genes, workers=config.workers, deadline=deadline, heed=heed
+        )
     from islands.executors.ray import RayExecutor
 
     return RayExecutor(

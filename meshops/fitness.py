@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from meshops.criteria import Scoring
-from meshops.kernels.quality import ELEMENTS, FAILED, IRREGULAR, TRIAS, compound_indices
+from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS, order_meshes
 from meshops.mesh import Floats
 
 FitnessKind = Literal["trias", "quads", "quality"]
@@ -54,18 +54,21 @@ class Fitness:
 
     def of(self, tallies: Floats, scoring: Scoring, operations: int = 0) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies; NaN tallies (no valid mesh) have INVALID."""
-        valid = np.isfinite(tallies[:, ELEMENTS])
-        usable = np.where(valid[:, None], tallies, 0.0)
         if self.kind == "trias":
-            values = 100.0 - usable[:, TRIAS]
-        else:
-            index = compound_indices(usable, *scoring.arrays)
-            index += IRREGULARITY * usable[:, IRREGULAR] / (self.elements + 1)
-            finish = (index / (1.0 + index) + min(PRICE * operations, 1.0)) / 2.0
-            order = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
-            first, second = usable[:, order].T
-            values = 100.0 - first - (second + finish) / (self.elements + 1)
-        fitness: Floats = np.where(valid, values, INVALID)
+            valid = np.isfinite(tallies[:, ELEMENTS])
+            return np.where(valid, 100.0 - tallies[:, TRIAS], INVALID)
+        first, second = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
+        price = min(PRICE * operations, 1.0)
+        fitness: Floats = order_meshes(
+            tallies,
+            first,
+            second,
+            self.elements + 1,
+            IRREGULARITY,
+            price,
+            INVALID,
+            *scoring.arrays,
+        )
         return fitness
 
     def of_faults(self, tally: Floats) -> float:

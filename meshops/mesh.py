@@ -119,6 +119,12 @@ class ShellMesh:
         """Only the arrays travel; what is derived from them is made again where it is needed."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Make the arrays read-only again: kernels are compiled for arrays that are."""
+        for array in state.values():
+            array.flags.writeable = False
+        self.__dict__.update(state)
+
 
 def _frozen(values: ArrayLike, dtype: type) -> NDArray[Any]:
     array: NDArray[Any] = np.array(values, dtype=dtype, order="C")

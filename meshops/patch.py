@@ -100,16 +100,14 @@ def stitch(mesh: ShellMesh, patch: Patch, points: Floats, elements: Ints) -> Edi
     `points` are the new inner nodes; `elements` name border nodes by their patch row, and inner
     ones from ``patch.border_nodes`` on.
     """
-    rows = np.concatenate(
-        [
-            patch.nodes[: patch.border_nodes],
-            np.arange(len(mesh.points), len(mesh.points) + len(points), dtype=np.int32),
-        ]
-    )
+    count = patch.border_nodes
+    rows = np.full(count + len(points) + 1, NO_NODE, np.int32)  # no node, -1, is the last row
+    rows[:count] = patch.nodes[:count]
+    rows[count:-1] = np.arange(len(mesh.points), len(mesh.points) + len(points))
     return Edit(
         removed=patch.rows,
         added_points=points,
-        added_elements=np.where(elements == NO_NODE, np.int32(NO_NODE), rows[elements]),
+        added_elements=rows[elements],
         added_region=np.full(len(elements), patch.region, np.int32),
     )
 

@@ -8,12 +8,20 @@ coordinates crash the filter.
 
 from __future__ import annotations
 
+from math import inf, isfinite, ulp
 from typing import Any
 
 import numpy as np
 import pymeshlab
 
-from meshops.kernels.skirt import skirt_apexes
+from meshops.kernels.skirt import (
+    BORDER_CHANGED,
+    BORDER_MOVED,
+    NOT_FINITE,
+    extents,
+    put_on,
+    take_off,
+)
 from meshops.mesh import Floats, Ints
 
 SWEEPS = 2
@@ -23,6 +31,12 @@ _LARGEST = 1e6
 
 _NUDGE = 1e-9
 """Of the edge length: how far nodes at the same place, as on a slit, are set apart."""
+
+_FAULTS = {
+    NOT_FINITE: "remeshing left the finite numbers",
+    BORDER_CHANGED: "remeshing changed the border",
+    BORDER_MOVED: "remeshing moved the border",
+}
 
 
 class RemeshError(Exception):
@@ -53,40 +67,31 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     RemeshError
         Where coordinates are not usable or the border did not come back whole.
     """
-    border_nodes = int(border.max()) + 1 if len(border) else 0
-    if not np.isfinite(points).all() or not 0.0 < size < np.inf:
+    largest, extent = extents(points)
+    if not (isfinite(largest) and 0.0 < size < inf):
         raise RemeshError("coordinates and size must be finite")
-    origin = points[0]
-    extent = float(np.abs(points - origin).max())
     if extent > _LARGEST * size:
         raise RemeshError(f"the patch is over {_LARGEST:.0e} times as large as the edge length")
-    nudge = max(_NUDGE * size, 4.0 * float(np.spacing(np.abs(points).max())))
-    places = _apart(np.concatenate([points, skirt_apexes(points, trias, border)]), nudge)
-    skirt = np.empty((len(border), 3), np.int32)
-    skirt[:, 0], skirt[:, 1] = border[:, 1], border[:, 0]
-    skirt[:, 2] = np.arange(len(points), len(points) + len(border))
-    selected = np.zeros(len(trias) + len(skirt))
-    selected[: len(trias)] = 1.0
+    nudge = max(_NUDGE * size, 4.0 * ulp(largest))
+    places, skirted, inside = put_on(points, trias, border, nudge)
 
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(places, np.concatenate([trias, skirt]), f_scalar_array=selected))
+    meshes.add_mesh(pymeshlab.Mesh(places, skirted, f_scalar_array=inside))
     meshes.compute_selection_by_scalar_per_face(minq=0.5, maxq=2.0)
     meshes.meshing_isotropic_explicit_remeshing(**isotropic_options(size))
     remeshed = meshes.current_mesh()
-    out_points = remeshed.vertex_matrix()
-    out_trias = remeshed.face_matrix().astype(np.int32)
-    if not np.isfinite(out_points).all():
-        raise RemeshError("remeshing left the finite numbers")
-    inside = remeshed.face_scalar_array() > 0.5
-    rows = _rows_by_skirt(out_trias[~inside], border, border_nodes, len(out_points))
-    new_points = np.empty((len(out_points) - len(border), 3))
-    new_points[rows[rows >= 0]] = out_points[rows >= 0]
-    # projecting to the surface may have moved the border by the last digits
-    moved = np.abs(new_points[:border_nodes] - places[:border_nodes])
-    if (moved > nudge).any():
-        raise RemeshError("remeshing moved the border")
-    new_points[:border_nodes] = points[:border_nodes]
-    return new_points, rows[out_trias[inside]]
+    new_points, new_trias, fault = take_off(
+        np.ascontiguousarray(remeshed.vertex_matrix()),
+        np.ascontiguousarray(remeshed.face_matrix()),
+        remeshed.face_scalar_array(),
+        points,
+        border,
+        places,
+        nudge,
+    )
+    if fault:
+        raise RemeshError(_FAULTS[fault])
+    return new_points, new_trias
 
 
 def isotropic_options(size: float) -> dict[str, Any]:
@@ -105,36 +110,3 @@ def isotropic_options(size: float) -> dict[str, Any]:
         "smoothflag": True,
         "reprojectflag": True,
     }
-
-
-def _rows_by_skirt(skirt: Ints, border: Ints, border_nodes: int, nodes: int) -> Ints:
-    """Find the new row of each remeshed node, -1 for an apex of the skirt.
-
-    The skirt comes back as it went in, tria for tria, and names the nodes of the border; all others
-    are inside.
-    """
-    if len(skirt) != len(border):
-        raise RemeshError("remeshing changed the border")
-    inside = -2
-    rows = np.full(nodes, inside, np.int32)
-    rows[skirt[:, :2]] = border[:, ::-1]
-    rows[skirt[:, 2]] = -1
-    if (
-        not np.array_equal(rows[skirt[:, :2]], border[:, ::-1])
-        or np.count_nonzero(rows >= 0) != border_nodes
-    ):
-        raise RemeshError("remeshing changed the border")
-    new = rows == inside
-    rows[new] = np.arange(border_nodes, border_nodes + np.count_nonzero(new), dtype=np.int32)
-    return rows
-
-
-def _apart(places: Floats, step: float) -> Floats:
-    """Move nodes that are where an earlier one is by a step: pymeshlab would make them one."""
-    _, inverse, counts = np.unique(places, axis=0, return_inverse=True, return_counts=True)
-    if len(counts) == len(places):
-        return places
-    order = np.argsort(inverse.ravel(), kind="stable")
-    earlier = np.empty(len(places))
-    earlier[order] = np.arange(len(places)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return places + step * earlier[:, None]

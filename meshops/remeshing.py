@@ -7,14 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.pairing import (
-    match_completely,
-    match_greedily,
-    merge_pairs,
-    pair_shapes,
-    split_quads,
-    tria_neighbours,
-)
+from meshops.kernels.pairing import pair_up, split_quads
 from meshops.kernels.quality import TALLY_SIZE
 from meshops.kernels.smoothing import smooth
 from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
@@ -121,9 +114,5 @@ def remesh_patch(
 
 def recombine(points: Floats, trias: Ints) -> Ints:
     """Pair trias (T, 3) to quads, as many as can be and good ones first; (M, 4) elements."""
-    neighbours = tria_neighbours(trias, len(points))
-    shapes = pair_shapes(points, trias, neighbours)
-    allowed = np.where(shapes < LEAST_PAIR, np.int32(-1), neighbours)
-    mate = match_completely(allowed, shapes, match_greedily(allowed, shapes, GOOD_PAIR))
-    elements: Ints = merge_pairs(trias, neighbours, mate)
+    elements: Ints = pair_up(points, trias, LEAST_PAIR, GOOD_PAIR)
     return elements

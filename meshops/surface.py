@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import dist
 
 import numpy as np
 
-from meshops.kernels.pairing import split_quads
+from meshops.kernels.pairing import as_trias
 from meshops.kernels.soundness import unit_normals
-from meshops.kernels.surface import bounding_spheres, nearest, plane_of
+from meshops.kernels.surface import areas_of, bounding_spheres, nearest, plane_of
 from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 
@@ -45,8 +46,7 @@ class PatchSurface:
     @classmethod
     def of(cls, points: Floats, elements: Ints) -> PatchSurface:
         """Split the quads of a patch or a mesh and see whether it is plane."""
-        trias = split_quads(points, elements, np.ones(len(elements), bool))
-        trias = np.ascontiguousarray(trias[:, :3])
+        trias = as_trias(points, elements)
         total, area, normal, is_plane = plane_of(points, trias, PLANE_TOLERANCE)
         return cls(points, trias, area, total, normal if is_plane else None)
 
@@ -68,7 +68,7 @@ class PatchSurface:
     def normals_at(self, points: Floats, elements: Ints, tolerance: float) -> Floats | None:
         """(M, 3) surface normals under each element; None where one is farther off."""
         if self.plane is not None:
-            return np.broadcast_to(self.plane, (len(elements), 3))
+            return np.repeat(self.plane[None], len(elements), axis=0)
         _, distance, tria = self._nearest(_centres(points, elements))
         if distance.max() > tolerance:
             return None
@@ -77,10 +77,9 @@ class PatchSurface:
 
     def is_covered(self, patch: Patch, points: Floats, elements: Ints, tolerance: float) -> bool:
         """Whether the new elements cover the surface: no hole, no lap, no old node left behind."""
-        trias = split_quads(points, elements, np.ones(len(elements), bool))[:, :3]
-        trias = np.ascontiguousarray(trias)
-        total, area, _, _ = plane_of(points, trias, PLANE_TOLERANCE)
-        missing = float(np.linalg.norm(total - self.area_vector))
+        trias = as_trias(points, elements)
+        total, area = areas_of(points, trias)
+        missing = dist(total, self.area_vector)
         if missing > AREA_TOLERANCE * self.area:
             return False
         if self.plane is not None:

@@ -11,9 +11,17 @@ from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
 from meshops.kernels.patches import rings_around
-from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS, tally_elements
+from meshops.kernels.quality import (
+    FAILED,
+    IRREGULAR,
+    TRIAS,
+    penalise,
+    tally_elements,
+    tally_values,
+)
+from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
-from meshops.quality import element_penalties, failed_elements, index_of_penalties
+from meshops.quality import element_values, failing_penalties, index_of_penalties
 from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology, valences
@@ -99,7 +107,9 @@ class Workpiece:
     @cached_property
     def tally(self) -> Floats:
         """(TALLY_SIZE,) sums over all elements, from which fitness follows."""
-        tally = self.tally_of(self._measured.points, self._measured.elements)
+        tally: Floats = tally_values(
+            self._values_at_even_size, self.mesh.is_tria, *self.setting.scoring.arrays
+        )
         tally[IRREGULAR] = np.count_nonzero(self.irregular)
         return tally
 
@@ -131,8 +141,26 @@ class Workpiece:
         return irregular & (self.outside >= 0)
 
     @cached_property
-    def _measured(self) -> ShellMesh:
-        return self.setting.at_even_size(self.mesh)
+    def values(self) -> Floats:
+        """(M, 12) measures of all elements as they are."""
+        return element_values(self.mesh, self.setting.scoring)
+
+    @cached_property
+    def _values_at_even_size(self) -> Floats:
+        if self.setting.sizes is None:
+            return self.values
+        return element_values(self.setting.at_even_size(self.mesh), self.setting.scoring)
+
+    @cached_property
+    def _penalties(self) -> Floats:
+        penalties: Floats = penalise(self._values_at_even_size, *self.setting.scoring.arrays)
+        return penalties
+
+    @cached_property
+    def around(self) -> tuple[Ints, Ints]:
+        """The elements of each node, as `elements_of_nodes` finds them."""
+        around: tuple[Ints, Ints] = elements_of_nodes(self.mesh.elements, len(self.mesh.points))
+        return around
 
     def tally_of(self, points: Floats, elements: Ints) -> Floats:
         """(TALLY_SIZE,) sums over some elements."""
@@ -183,7 +211,9 @@ class Workpiece:
     @cached_property
     def failing(self) -> Bools:
         """(M,) bool: which elements fail a criterion."""
-        return failed_elements(self._measured, self.setting.scoring)
+        fails = failing_penalties(self._penalties, self.setting.scoring)
+        failing: Bools = np.any(fails, axis=1)
+        return failing
 
     @cached_property
     def bad_elements(self) -> Ints:
@@ -199,8 +229,7 @@ class Workpiece:
             bad = np.nonzero(chosen & editable)[0]
             if len(bad):
                 break
-        scoring = self.setting.scoring
-        index = index_of_penalties(element_penalties(self._measured, scoring)[bad], scoring)
+        index = index_of_penalties(self._penalties[bad], self.setting.scoring)
         order = np.lexsort((bad, -np.round(index, 9), ~self.failing[bad]))
         return bad[order].astype(np.int32)
 

@@ -6,10 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from islands.archipelago import TimeUpError
 from islands.config import Config, load_config
 from islands.executors.local import LocalRunner
+from islands.executors.pool import PoolRunner
 from islands.genetics import Breeding
-from islands.integration_ga import Evaluator, Handle, Outcome, Problem, Task, Work, run_task
+from islands.integration_ga import (
+    Evaluator,
+    Handle,
+    Outcome,
+    Problem,
+    Task,
+    Work,
+    Workbench,
+    run_task,
+)
 from islands.island import IslandState, emigrants, settle, step
 from islands.procedure import perform_steps
 from islands.topology import ring
@@ -63,6 +74,37 @@ def test_another_attempt_seed_or_turn_draws_other_numbers(mesh: ShellMesh) -> No
     tasks += [(replace(problem, **other), tasks[0][1]) for other in ({"seed": 99}, {"turn": 1})]
     found = [run_task(p, task, mesh)[0].parameters.tobytes() for p, task in tasks]
     assert len(set(found)) == 5
+
+
+def test_a_workbench_changes_nothing_and_keeps_problems_apart(mesh: ShellMesh) -> None:
+    bench = Workbench()
+    for problem in (problem_of(mesh), replace(problem_of(mesh), seed=99)):
+        assert bench.take(problem, mesh.digest, mesh) is bench.take(problem, mesh.digest, mesh)
+        for code in (0, 1):
+            task = Task(mesh.digest, code, 0)
+            alone, known = run_task(problem, task, mesh), run_task(problem, task, mesh, bench)
+            assert alone[0].mesh == known[0].mesh
+            assert (alone[0].parameters == known[0].parameters).all()
+    assert bench.take(problem_of(mesh), mesh.digest, mesh) is not bench.take(
+        problem, mesh.digest, mesh
+    )
+
+
+def test_processes_find_what_one_process_finds(mesh: ShellMesh) -> None:
+    problem = problem_of(mesh)
+    jobs = [(Task(mesh.digest, code, attempt), mesh) for code in (0, 1) for attempt in (0, 1)]
+    pool = PoolRunner(problem, 2, float("inf"), lambda: None)
+    there = pool.run(jobs)
+    here = LocalRunner(problem, float("inf")).run(jobs)
+    late = PoolRunner(problem, 2, 0.0, lambda: None)
+    with pytest.raises(TimeUpError):
+        late.run(jobs)
+    for runner in (pool, late):
+        runner.close()
+    assert [outcome.mesh for outcome, _ in there] == [outcome.mesh for outcome, _ in here]
+    assert [found.digest for _, found in there] == [found.digest for _, found in here]
+    # kernels are compiled for arrays that are read-only
+    assert not any(found.points.flags.writeable for _, found in there)
 
 
 def test_genes_are_drawn_as_often_as_their_weight_says(mesh: ShellMesh) -> None:

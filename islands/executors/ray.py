@@ -25,7 +25,7 @@ from ray.exceptions import RayError, RayTaskError
 from islands.archipelago import TimeUpError
 from islands.executors.local import evaluator
 from islands.genetics import Breeding
-from islands.integration_ga import Evaluator, Handle, Outcome, Task, Work, run_task
+from islands.integration_ga import Evaluator, Handle, Outcome, Task, Work, Workbench, run_task
 from islands.island import IslandState, Migrants, step
 from meshops.errors import InputError
 
@@ -64,6 +64,7 @@ class _Islands:
         self._works = works
         self._breeding = breeding
         self._genes = genes
+        self._bench = Workbench()
         self._evaluators: dict[int, Evaluator] = {}
 
     def step(
@@ -89,7 +90,7 @@ class _Islands:
                     got.problem, runner, got.root, ray.put(got.mesh), is_enough=got.is_solved
                 )
             else:
-                self._evaluators[work] = evaluator(got, deadline, len(self._works))
+                self._evaluators[work] = evaluator(got, deadline, len(self._works), self._bench)
         return self._evaluators[work]
 
 

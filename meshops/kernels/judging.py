@@ -12,7 +12,7 @@ from math import sqrt
 import numpy as np
 
 from meshops.kernels.exchanging import is_whole, size_of
-from meshops.kernels.quality import CRITERIA, TALLY_SIZE, add_element
+from meshops.kernels.quality import CRITERIA, TALLY_SIZE, add_element, add_values
 from meshops.kernels.smoothing import own_corner
 from meshops.kernels.soundness import FACING
 from meshops.kernels.vectors import (
@@ -22,6 +22,7 @@ from meshops.kernels.vectors import (
     compiled,
     corner_jacobian_min,
     dot,
+    inlined,
     length,
     unit,
 )
@@ -32,7 +33,7 @@ LEAST_CORNER = 0.05
 stay so where only its nodes move, but may not get worse still."""
 
 
-@compiled
+@inlined
 def _is_sound(points: Floats, element: Ints, normal: Vector, least: float) -> bool:
     """Whether an element faces the way of a unit normal and no corner is worse than `least`."""
     a, b, c, d = element[0], element[1], element[2], element[3]
@@ -43,13 +44,13 @@ def _is_sound(points: Floats, element: Ints, normal: Vector, least: float) -> bo
     return corner >= least
 
 
-@compiled
+@inlined
 def _area_of(points: Floats, element: Ints) -> Vector:
     vector: Vector = area_vector(points, element[0], element[1], element[2], element[3])
     return vector
 
 
-@compiled
+@inlined
 def _shares_a_node(one: Ints, other: Ints) -> bool:
     for i in range(4):
         for j in range(4):
@@ -101,11 +102,10 @@ def _all_sound(
 
 
 @compiled
-def _count(
+def _put_in(
     tally: Floats,
     points: Floats,
     element: Ints,
-    sign: float,
     values: Floats,
     levels: Floats,
     weights: Floats,
@@ -113,19 +113,36 @@ def _count(
     penalties: Floats,
     normalised: bool,
 ) -> None:
-    """Add an element to a tally or take it away; a function, so that it is compiled in once."""
+    """Add an element to a tally; a function, so that it is compiled in once."""
     add_element(
-        tally, points, element[0], element[1], element[2], element[3], sign, values,
+        tally, points, element[0], element[1], element[2], element[3], 1.0, values,
         levels, weights, active, penalties, normalised,
     )  # fmt: skip
 
 
 @compiled
+def _take_out(
+    tally: Floats,
+    element: Ints,
+    values: Floats,
+    levels: Floats,
+    weights: Floats,
+    active: Bools,
+    penalties: Floats,
+    normalised: bool,
+) -> None:
+    """Take an element of the mesh out of a tally by its measures (12,)."""
+    add_values(tally, values, element[3] < 0, -1.0, levels, weights, active, penalties, normalised)
+
+
+@inlined
 def _centre(points: Floats, element: Ints, out: Floats) -> None:
     size = size_of(element)
-    out[:] = 0.0
-    for corner in range(size):
-        out += points[element[corner]] / size
+    for axis in range(3):
+        total = 0.0
+        for corner in range(size):
+            total += points[element[corner], axis] / size
+        out[axis] = total
 
 
 @compiled
@@ -167,6 +184,7 @@ def judge_candidates(
     free: Bools,
     start: Ints,
     around: Ints,
+    values: Floats,
     tally: Floats,
     levels: Floats,
     weights: Floats,
@@ -184,6 +202,8 @@ def judge_candidates(
         The mesh and its topology; `free` (N,) bool: nodes that may move or vanish.
     start, around
         The elements of its nodes.
+    values : (M, 12) float64
+        Measures of the elements as they are.
     tally : (TALLY_SIZE,) float64
         The tally of the whole mesh.
     levels, weights, active, penalties, normalised
@@ -209,7 +229,7 @@ def judge_candidates(
     sides = np.empty((4 * most_added, 2), np.int32)
     inner = np.empty((4 * most_added, 2), np.int32)
     affected = np.empty(len(elements), np.int32)
-    values = np.empty(CRITERIA)
+    scratch = np.empty(CRITERIA)
     places = np.empty((nodes + _most(point_start), 3))
     places[:nodes] = points
     tallies = np.full((count, TALLY_SIZE), np.nan)
@@ -240,24 +260,22 @@ def judge_candidates(
             row = tallies[k]
             row[:] = tally
             for e in goes:
-                _count(
-                    row, points, elements[e], -1.0, values,
-                    levels, weights, active, penalties, normalised,
-                )  # fmt: skip
+                _take_out(
+                    row, elements[e], values[e], levels, weights, active, penalties, normalised
+                )
             for i in range(len(comes)):
                 _centre(places, comes[i], centres[added_start[k] + i])
-                _count(
-                    row, places, comes[i], 1.0, values,
+                _put_in(
+                    row, places, comes[i], scratch,
                     levels, weights, active, penalties, normalised,
                 )  # fmt: skip
             for i in range(touched):
-                element = elements[affected[i]]
-                _count(
-                    row, points, element, -1.0, values,
-                    levels, weights, active, penalties, normalised,
-                )  # fmt: skip
-                _count(
-                    row, places, element, 1.0, values,
+                e = affected[i]
+                _take_out(
+                    row, elements[e], values[e], levels, weights, active, penalties, normalised
+                )
+                _put_in(
+                    row, places, elements[e], scratch,
                     levels, weights, active, penalties, normalised,
                 )  # fmt: skip
         for node in moves:

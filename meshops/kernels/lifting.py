@@ -5,8 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from meshops.kernels.triangulation import area_to, begin, locate, turn
-from meshops.kernels.vectors import compiled
+from meshops.kernels.vectors import compiled, cross, edge
 from meshops.mesh import Floats, Ints
+
+
+@compiled
+def normals_of(points: Floats, trias: Ints) -> Floats:
+    """(T, 3) normals of trias, as long as twice their area."""
+    normals = np.empty((len(trias), 3))
+    for t in range(len(trias)):
+        a, b, c = trias[t, 0], trias[t, 1], trias[t, 2]
+        normals[t, 0], normals[t, 1], normals[t, 2] = cross(edge(points, a, b), edge(points, a, c))
+    return normals
 
 
 @compiled

@@ -21,7 +21,7 @@ from math import inf, isnan
 import numpy as np
 
 from meshops.kernels.measures import CRITERIA, measure_element
-from meshops.kernels.quality import SLACK, penalty
+from meshops.kernels.quality import SLACK, penalty_between
 from meshops.kernels.soundness import FACING
 from meshops.kernels.surface import nearest
 from meshops.kernels.vectors import (
@@ -31,6 +31,7 @@ from meshops.kernels.vectors import (
     compiled,
     corner_jacobian_min,
     dot,
+    inlined,
     scale,
     unit,
 )
@@ -48,16 +49,19 @@ LAPLACE, WORST, EVEN = 0, 1, 2
 GAIN = 1e-6
 """Share of the sum by which a node must lower it to move."""
 
+ROUNDING = 1e-12
+"""Share by which a sum may differ with the order of its terms."""
+
 REJECTED = (inf, inf, inf)
 
 
-@compiled
+@inlined
 def row(array: Floats, i: int) -> Vector:
     """First three numbers of row i."""
     return array[i, 0], array[i, 1], array[i, 2]
 
 
-@compiled
+@inlined
 def element_quality(
     points: Floats, element: Ints, values: Floats, scoring: Scoring
 ) -> tuple[float, float]:
@@ -69,7 +73,10 @@ def element_quality(
     for c in range(CRITERIA):
         if not active[c]:
             continue
-        p = penalty(values[c], levels[c], penalties)
+        p = penalty_between(
+            values[c], levels[c, 0], levels[c, 1], levels[c, 2], levels[c, 3], levels[c, 4],
+            penalties,
+        )  # fmt: skip
         if isnan(p):
             continue
         if p > limit:
@@ -82,7 +89,7 @@ def element_quality(
     return failed, index
 
 
-@compiled
+@inlined
 def soundness(points: Floats, element: Ints, normal: Vector) -> float:
     """Worst corner of an element along its own normal; below -1 where it faces another way.
 
@@ -97,7 +104,7 @@ def soundness(points: Floats, element: Ints, normal: Vector) -> float:
     return corner
 
 
-@compiled
+@inlined
 def centre(points: Floats, element: Ints) -> Vector:
     """Mean of an element's nodes."""
     size = 4 if element[3] >= 0 else 3
@@ -117,7 +124,7 @@ def foot(ground: Ground, place: Vector) -> tuple[Vector, Vector, float]:
     return row(found, 0), normal, distance[0]
 
 
-@compiled
+@inlined
 def is_better(new: Score, old: Score, method: int) -> bool:
     """Whether a score is better: fewer elements fail, or as many and the sum is lower."""
     if new[0] != old[0]:
@@ -127,7 +134,7 @@ def is_better(new: Score, old: Score, method: int) -> bool:
     return new[2] < old[2] * (1.0 - GAIN)
 
 
-@compiled
+@inlined
 def score_now(net: Net, node: int, method: int, quality: Floats) -> Score:
     """How many elements around a node fail, the highest Q.I., and the sum of Q.I. or squares."""
     _, _, start, around = net
@@ -146,22 +153,26 @@ def score_trial(
 ) -> Score:
     """Score of a node where it stands; REJECTED as soon as it cannot be better than `now`."""
     points, elements, start, around = net
-    _, trial, surface, least, values = state
+    quality, trial, surface, least, values = state
     first, last = start[node], start[node + 1]
+    worst = around[first]
     for i in range(first, last):
-        e = around[i]
+        if quality[around[i], 1] > quality[worst, 1]:
+            worst = around[i]
+    # the element that is the worst now rejects most trials, and what is spared then is time gained
+    failed, total = 0.0, 0.0
+    for i in range(first - 1, last):
+        e = worst if i < first else around[i]
+        if i >= first and e == worst:
+            continue
         if soundness(points, elements[e], row(surface, e)) < least[e]:
             return REJECTED
-    failed, highest, total = 0.0, 0.0, 0.0
-    for i in range(first, last):
-        e = around[i]
         fails, index = element_quality(points, elements[e], values, scoring)
         trial[e, 0], trial[e, 1] = fails, index
         failed += fails
-        highest = max(highest, index)
         total += index if method == EVEN else index * index
-        if failed > now[0] or (method != EVEN and highest > now[1]):
+        if failed > now[0] or (method != EVEN and index > now[1]):
             return REJECTED
-        if now[0] == 0.0 and total > now[2]:
+        if now[0] == 0.0 and total > now[2] * (1.0 + ROUNDING):
             return REJECTED
-    return failed, highest, total
+    return score_now(net, node, method, trial)

@@ -28,7 +28,18 @@ from meshops.kernels.node_scores import (
     soundness,
 )
 from meshops.kernels.smoothing import elements_of_nodes
-from meshops.kernels.vectors import Vector, add, compiled, cross, dot, length, scale, subtract, unit
+from meshops.kernels.vectors import (
+    Vector,
+    add,
+    compiled,
+    cross,
+    dot,
+    inlined,
+    length,
+    scale,
+    subtract,
+    unit,
+)
 from meshops.mesh import Floats, Ints
 
 SWEEPS = 16
@@ -45,12 +56,12 @@ DIRECTIONS = np.array(
 )
 
 
-@compiled
+@inlined
 def _put(points: Floats, node: int, place: Vector) -> None:
     points[node, 0], points[node, 1], points[node, 2] = place
 
 
-@compiled
+@inlined
 def _frame(net: Net, node: int, surface: Floats) -> tuple[Vector, Vector, Vector, float]:
     """Two tangents at a node, the step to the mean of its neighbours, and its mean edge.
 
@@ -67,7 +78,8 @@ def _frame(net: Net, node: int, surface: Floats) -> tuple[Vector, Vector, Vector
         for k in range(size):
             if elements[e, k] == node:
                 # the element's next corner: each edge of a closed fan comes once
-                along = subtract(row(points, elements[e, (k + 1) % size]), place)
+                following = k + 1 if k + 1 < size else 0
+                along = subtract(row(points, elements[e, following]), place)
                 total = add(total, along)
                 edges += length(along)
                 count += 1
@@ -168,7 +180,7 @@ def _move(
     return len(ground[1]) == 0 or _lies_on(net, node, ground, state)
 
 
-@compiled
+@inlined
 def _keep(net: Net, node: int, ground: Ground, state: State, step: Floats) -> None:
     """Note what the elements around a node are like now, and wake the nodes around it."""
     points, elements, start, around = net

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshops.kernels.vectors import compiled
+from meshops.kernels.vectors import compiled, edge, inlined
 from meshops.mesh import Bools, Floats, Ints
 
 
@@ -20,19 +20,20 @@ def tria_neighbours(trias: Ints, nodes: int) -> Ints:
     for n in range(nodes):
         start[n + 1] += start[n]
     fill = start[:-1].copy()
-    sides = np.empty(3 * count, np.int32)
+    owners = np.empty(3 * count, np.int32)  # of the sides that begin at each node
+    ends = np.empty(3 * count, np.int32)
     for t in range(count):
         for k in range(3):
             node = trias[t, k]
-            sides[fill[node]] = 3 * t + k
+            owners[fill[node]] = t
+            ends[fill[node]] = trias[t, (k + 1) % 3]
             fill[node] += 1
     for t in range(count):
         for k in range(3):
             a, b = trias[t, k], trias[t, (k + 1) % 3]
             for i in range(start[b], start[b + 1]):
-                other, side = sides[i] // 3, sides[i] % 3
-                if trias[other, (side + 1) % 3] == a:
-                    neighbours[t, k] = other
+                if ends[i] == a:
+                    neighbours[t, k] = owners[i]
     return neighbours
 
 
@@ -96,16 +97,39 @@ def match_greedily(neighbours: Ints, shapes: Floats, least: float) -> Ints:
     """Pair neighbours by falling shape down to `least`; (T,) int32 mate of each tria or -1."""
     count = len(neighbours)
     mate = np.full(count, -1, np.int32)
-    flat = shapes.ravel()
-    order = np.argsort(-flat, kind="mergesort")
-    for i in order:
-        if flat[i] < least:
-            break
-        t, other = i // 3, neighbours[i // 3, i % 3]
-        if other >= 0 and mate[t] < 0 and mate[other] < 0:
+    pairs = np.empty(neighbours.size, np.int32)
+    falling = np.empty(neighbours.size)
+    found = 0
+    for t in range(count):
+        for k in range(3):
+            # each pair once: of equals the one with the first tria comes first
+            if neighbours[t, k] > t and shapes[t, k] >= least:
+                pairs[found] = 3 * t + k
+                falling[found] = -shapes[t, k]
+                found += 1
+    for i in np.argsort(falling[:found], kind="mergesort"):
+        t = pairs[i] // 3
+        other = neighbours[t, pairs[i] - 3 * t]
+        if mate[t] < 0 and mate[other] < 0:
             mate[t] = other
             mate[other] = t
     return mate
+
+
+@compiled
+def _sides_by_shape(shapes: Floats) -> Ints:
+    """(T, 3) sides of each tria, the best shape first; of equals the first."""
+    order = np.empty(shapes.shape, np.int32)
+    for t in range(len(shapes)):
+        first, second, third = 0, 1, 2
+        if shapes[t, second] > shapes[t, first]:
+            first, second = second, first
+        if shapes[t, third] > shapes[t, second]:
+            second, third = third, second
+            if shapes[t, second] > shapes[t, first]:
+                first, second = second, first
+        order[t, 0], order[t, 1], order[t, 2] = first, second, third
+    return order
 
 
 @compiled
@@ -149,9 +173,7 @@ def match_completely(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
     in_blossom = np.empty(count, np.int32)
     mark = np.empty(count, np.int32)
     queue = np.empty(count, np.int32)
-    order = np.empty(neighbours.shape, np.int32)
-    for t in range(count):
-        order[t] = np.argsort(-shapes[t], kind="mergesort")
+    order = _sides_by_shape(shapes)
     for root in range(count):
         if mate[root] >= 0:
             continue
@@ -225,6 +247,51 @@ def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
 
 
 @compiled
+def pair_up(points: Floats, trias: Ints, least: float, good: float) -> Ints:
+    """(M, 4) elements of trias (T, 3), paired as completely as can be, good quads first.
+
+    No quad is of a shape below `least`; those down to `good` are taken greedily.
+    """
+    neighbours = tria_neighbours(trias, len(points))
+    shapes = pair_shapes(points, trias, neighbours)
+    allowed = neighbours.copy()
+    for t in range(len(trias)):
+        for k in range(3):
+            if shapes[t, k] < least:
+                allowed[t, k] = -1
+    mate = match_completely(allowed, shapes, match_greedily(allowed, shapes, good))
+    return merge_pairs(trias, neighbours, mate)
+
+
+@compiled
+def _is_better_across(points: Floats, a: int, b: int, c: int, d: int) -> bool:
+    """Whether quad abcd is split along ac rather than along bd."""
+    return min(_tria_shape(points, a, b, c), _tria_shape(points, a, c, d)) >= min(
+        _tria_shape(points, a, b, d), _tria_shape(points, b, c, d)
+    )
+
+
+@compiled
+def as_trias(points: Floats, elements: Ints) -> Ints:
+    """(T, 3) int32: trias as they are, quads split along their better diagonal, in their order."""
+    trias = np.empty((2 * len(elements), 3), np.int32)
+    count = 0
+    for e in range(len(elements)):
+        a, b, c, d = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
+        if d >= 0 and not _is_better_across(points, a, b, c, d):
+            trias[count, 0], trias[count, 1], trias[count, 2] = a, b, d
+            trias[count + 1, 0], trias[count + 1, 1], trias[count + 1, 2] = b, c, d
+            count += 2
+            continue
+        trias[count, 0], trias[count, 1], trias[count, 2] = a, b, c
+        count += 1
+        if d >= 0:
+            trias[count, 0], trias[count, 1], trias[count, 2] = a, c, d
+            count += 1
+    return trias[:count].copy()
+
+
+@compiled
 def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     """Split the chosen quads along their better diagonal.
 
@@ -238,9 +305,7 @@ def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
             result[count] = elements[e]
             count += 1
             continue
-        if min(_tria_shape(points, a, b, c), _tria_shape(points, a, c, d)) >= min(
-            _tria_shape(points, a, b, d), _tria_shape(points, b, c, d)
-        ):
+        if _is_better_across(points, a, b, c, d):
             result[count, 0], result[count, 1], result[count, 2] = a, b, c
             result[count + 1, 0], result[count + 1, 1], result[count + 1, 2] = a, c, d
         else:
@@ -250,12 +315,11 @@ def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
     return result[:count].copy()
 
 
-@compiled
+@inlined
 def _tria_shape(points: Floats, a: int, b: int, c: int) -> float:
     """Area over the sum of squared sides: greatest for the regular tria."""
-    p, q, r = points[a], points[b], points[c]
-    ux, uy, uz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
-    vx, vy, vz = r[0] - p[0], r[1] - p[1], r[2] - p[2]
+    ux, uy, uz = edge(points, a, b)
+    vx, vy, vz = edge(points, a, c)
     wx, wy, wz = vx - ux, vy - uy, vz - uz
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     sides = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz

@@ -24,7 +24,7 @@ No function here allocates an element's scratch: the caller brings it.
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import isfinite, isnan, nan
 
 import numpy as np
 
@@ -54,8 +54,10 @@ __all__ = [
     "criterion_index",
     "measure_element",
     "measure_elements",
+    "order_meshes",
     "penalise",
     "penalty",
+    "penalty_between",
     "percent_trias",
     "tally_elements",
     "tally_values",
@@ -75,12 +77,14 @@ def penalty(value: float, levels: Floats, penalties: Floats) -> float:
     ``levels`` and ``penalties`` are (5,): ideal, good, warn, fail, worst. The levels may rise or
     fall.
     """
-    p: float = _penalty(value, levels[0], levels[1], levels[2], levels[3], levels[4], penalties)
+    p: float = penalty_between(
+        value, levels[0], levels[1], levels[2], levels[3], levels[4], penalties
+    )
     return p
 
 
-@compiled
-def _penalty(
+@inlined
+def penalty_between(
     value: float,
     ideal: float,
     good: float,
@@ -89,6 +93,7 @@ def _penalty(
     worst: float,
     penalties: Floats,
 ) -> float:
+    """`penalty` with the levels one by one."""
     # scalars, because a row of an array costs more to make than the penalty
     if worst < ideal:
         value, ideal, good, warn, fail, worst = -value, -ideal, -good, -warn, -fail, -worst
@@ -107,7 +112,7 @@ def _penalty(
     return p
 
 
-@compiled
+@inlined
 def _between(value: float, low: float, high: float, at_low: float, at_high: float) -> float:
     return at_low + (value - low) / (high - low) * (at_high - at_low)
 
@@ -130,7 +135,7 @@ def add_values(
     for c in range(CRITERIA):
         if not active[c]:
             continue
-        p = _penalty(
+        p = penalty_between(
             values[c],
             levels[c, 0],
             levels[c, 1],
@@ -298,4 +303,38 @@ def compound_indices(
             out[i] = nan
         else:
             out[i] = compound_index(tallies[i], levels, weights, active, penalties, normalised)
+    return out
+
+
+@compiled
+def order_meshes(
+    tallies: Floats,
+    first: int,
+    second: int,
+    share: int,
+    irregularity: float,
+    price: float,
+    invalid: float,
+    levels: Floats,
+    weights: Floats,
+    active: Bools,
+    penalties: Floats,
+    normalised: bool,
+) -> Floats:
+    """(P,) fitness of (P, TALLY_SIZE) tallies, as ``Fitness`` has it.
+
+    `first` and `second` are the places in a tally that count first and second, `share` is what the
+    second and the irregular nodes are divided by, `irregularity` what these cost, `price` that of
+    the operations, `invalid` the fitness of a tally of NaN.
+    """
+    out = np.empty(len(tallies))
+    for i in range(len(tallies)):
+        tally = tallies[i]
+        if not isfinite(tally[ELEMENTS]):
+            out[i] = invalid
+            continue
+        index = compound_index(tally, levels, weights, active, penalties, normalised)
+        index += irregularity * tally[IRREGULAR] / share
+        finish = (index / (1.0 + index) + price) / 2.0
+        out[i] = 100.0 - tally[first] - (tally[second] + finish) / share
     return out

@@ -111,12 +111,8 @@ def nearest(
 
 
 @compiled
-def plane_of(points: Floats, trias: Ints, tolerance: float) -> tuple[Floats, float, Floats, bool]:
-    """Sum of the area vectors of trias, sum of their areas, unit normal, and whether it is plane.
-
-    Plane: all points are nearer to one plane than `tolerance` times their extent, and all trias
-    look the same way.
-    """
+def areas_of(points: Floats, trias: Ints) -> tuple[Floats, float]:
+    """Sum of the area vectors of trias (3,), and sum of their areas."""
     total = np.zeros(3)
     area = 0.0
     for t in range(len(trias)):
@@ -124,6 +120,17 @@ def plane_of(points: Floats, trias: Ints, tolerance: float) -> tuple[Floats, flo
         for k in range(3):
             total[k] += v[k]
         area += length(v)
+    return total, area
+
+
+@compiled
+def plane_of(points: Floats, trias: Ints, tolerance: float) -> tuple[Floats, float, Floats, bool]:
+    """Sum of the area vectors of trias, sum of their areas, unit normal, and whether it is plane.
+
+    Plane: all points are nearer to one plane than `tolerance` times their extent, and all trias
+    look the same way.
+    """
+    total, area = areas_of(points, trias)
     size = np.sqrt((total * total).sum())
     if size <= 0.0:
         return total, area, total, False

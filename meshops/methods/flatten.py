@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.kernels.lifting import lift
+from meshops.kernels.lifting import lift, normals_of
+from meshops.kernels.vectors import cross
 from meshops.mesh import Floats, Ints
 from meshops.remesher import RemeshError
 
@@ -56,8 +57,7 @@ class FlatPatch:
         """
         if not len(border):
             raise RemeshError("a patch without a border has nowhere to begin")
-        a, b, c = points[trias].transpose(1, 0, 2)
-        vectors = np.cross(b - a, c - a)
+        vectors = normals_of(points, trias)
         total = vectors.sum(axis=0)
         size = np.linalg.norm(total)
         if not np.isfinite(size) or size <= 0.0:
@@ -66,9 +66,11 @@ class FlatPatch:
         least = np.cos(np.radians(STEEPEST)) * np.linalg.norm(vectors, axis=1)
         if not (vectors @ normal >= least - FLAT * size).all():
             raise RemeshError(f"the patch turns by more than {STEEPEST:.0f} degrees")
-        first = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+        axis = [0.0, 0.0, 0.0]
+        axis[np.argmin(np.abs(normal))] = 1.0
+        first = np.array(cross((axis[0], axis[1], axis[2]), tuple(normal)))
         first /= np.linalg.norm(first)
-        axes = np.stack([first, np.cross(normal, first)], axis=1)
+        axes = np.array([first, cross(tuple(normal), tuple(first))]).T.copy()
         return cls(points, trias, border, axes, (points - points[0]) @ axes)
 
     @property

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 
 from meshops.kernels.pillows import FILLINGS, take_out
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import alternatives, candidates_of
 from meshops.operations.relax import relax
@@ -34,7 +33,7 @@ class Coarsen(SiteOperation):
     def candidates(self, workpiece: Workpiece) -> Candidates:
         """List free nodes, those of the worst elements first."""
         mesh = workpiece.mesh
-        start, around = elements_of_nodes(mesh.elements, len(mesh.points))
+        start, around = workpiece.around
         nodes = np.nonzero(workpiece.topology.free_nodes)[0].astype(np.int32)
         used = start[:-1][np.diff(start) > 0]
         nearest = np.full(len(mesh.points), len(mesh.elements), np.int32)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from meshops.kernels.chords import collapse_strips
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import candidates_of
 from meshops.operations.relax import relax
@@ -50,7 +49,7 @@ def collapsed(workpiece: Workpiece, strips: Strips) -> Candidates:
         strips.rungs,
         mesh.points,
         mesh.elements,
-        *elements_of_nodes(mesh.elements, len(mesh.points)),
+        *workpiece.around,
         workpiece.topology.free_nodes,
     )
     return relax(workpiece, candidates_of(elements, moves=moves), sweeps=SWEEPS)

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 
 from meshops.kernels.local_edits import collapse_diagonals
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first
 from meshops.operations.relax import relax
@@ -36,7 +35,7 @@ class CollapseDiagonal(SiteOperation):
         collapsible = ~mesh.is_tria & topology.editable & free[mesh.elements].any(axis=1)
         quads = np.nonzero(collapsible)[0].astype(np.int32)
         quads = quads[nearest_first(workpiece, quads[:, None])[: self.pool]]
-        around = elements_of_nodes(mesh.elements, len(mesh.points))
+        around = workpiece.around
         removed, added, moved, moved_to = collapse_diagonals(
             quads, mesh.points, mesh.elements, *around, free
         )

@@ -6,7 +6,6 @@ import numpy as np
 
 from meshops.kernels.judging import judge_candidates
 from meshops.kernels.quality import ELEMENTS
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.kernels.surface import nearest
 from meshops.mesh import Bools, Floats
 from meshops.operations.candidates import Candidates
@@ -28,7 +27,7 @@ def judge(workpiece: Workpiece, candidates: Candidates) -> Floats:
     surface.
     """
     mesh, topology = workpiece.mesh, workpiece.topology
-    start, around = elements_of_nodes(mesh.elements, len(mesh.points))
+    start, around = workpiece.around
     tallies, edges, centres = judge_candidates(
         *candidates.arrays,
         mesh.points,
@@ -40,6 +39,7 @@ def judge(workpiece: Workpiece, candidates: Candidates) -> Floats:
         topology.free_nodes,
         start,
         around,
+        workpiece.values,
         workpiece.tally,
         *workpiece.setting.scoring.arrays,
     )

@@ -8,7 +8,6 @@ from typing import ClassVar
 import numpy as np
 
 from meshops.kernels.local_edits import open_nodes
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first, padded_around
 from meshops.operations.relax import relax
@@ -33,7 +32,7 @@ class OpenDiagonal(SiteOperation):
     def candidates(self, workpiece: Workpiece) -> Candidates:
         """Each node that is free and has four or more elements, opened at each of its edges."""
         mesh = workpiece.mesh
-        start, around = elements_of_nodes(mesh.elements, len(mesh.points))
+        start, around = workpiece.around
         valence = np.diff(start)
         nodes = np.nonzero(workpiece.topology.free_nodes & (valence >= 4))[0].astype(np.int32)
         order = nearest_first(workpiece, padded_around(nodes, start, around))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.kernels.pillows import pillow
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import candidates_of, picked, starts
@@ -48,9 +47,9 @@ class Refine(SiteOperation):
 
 def _single_elements_and_fans(workpiece: Workpiece) -> tuple[Ints, Ints]:
     """List sets of elements, ragged: each editable element, then the fan of each free node."""
-    mesh, topology = workpiece.mesh, workpiece.topology
+    topology = workpiece.topology
     single = np.nonzero(topology.editable)[0].astype(np.int32)
-    start, around = elements_of_nodes(mesh.elements, len(mesh.points))
+    start, around = workpiece.around
     valence = np.diff(start)
     of_free = np.repeat(topology.free_nodes, valence)
     lengths = np.concatenate([np.ones(len(single), np.int32), valence[topology.free_nodes]])

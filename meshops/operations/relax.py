@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from meshops.kernels.relaxation import relax_candidates
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.operations.candidates import Candidates
 from meshops.workpiece import Workpiece
 
@@ -26,7 +25,7 @@ def relax(workpiece: Workpiece, candidates: Candidates, *, sweeps: int = SWEEPS)
         *candidates.arrays,
         mesh.points,
         mesh.elements,
-        *elements_of_nodes(mesh.elements, len(mesh.points)),
+        *workpiece.around,
         workpiece.topology.free_nodes,
         MOST_ELEMENTS,
         sweeps,

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NO_NODE, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first
@@ -30,7 +29,7 @@ class RemoveDoublet(SiteOperation):
     def candidates(self, workpiece: Workpiece) -> Candidates:
         """One element for each free node with two elements."""
         mesh = workpiece.mesh
-        start, around = elements_of_nodes(mesh.elements, len(mesh.points))
+        start, around = workpiece.around
         has_two = workpiece.topology.free_nodes & (np.diff(start) == 2)
         nodes = np.nonzero(has_two)[0].astype(np.int32)
         pairs = np.stack([around[start[nodes]], around[start[nodes] + 1]], axis=1)

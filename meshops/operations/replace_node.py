@@ -9,8 +9,7 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.merging import evaluate_merges, rewire
 from meshops.kernels.patches import FAR
-from meshops.kernels.quality import CRITERIA, ELEMENTS, compound_indices, measure_elements
-from meshops.kernels.smoothing import elements_of_nodes
+from meshops.kernels.quality import ELEMENTS, compound_indices
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.topology import Topology, element_normals
 from meshops.workpiece import Workpiece
@@ -132,11 +131,8 @@ class ReplaceNodeSpace:
         self.on_border = on_border
         self.bounds: Ids = np.full(pairs, len(pool), np.int64)
         mesh = workpiece.mesh
-        values = np.empty((len(mesh.elements), CRITERIA))
-        scoring = workpiece.setting.scoring.arrays
-        measure_elements(mesh.points, mesh.elements, scoring[-1], values)
-        self._around = elements_of_nodes(mesh.elements, len(mesh.points))
-        self._of_elements = (element_normals(mesh), values)
+        self._around = workpiece.around
+        self._of_elements = (element_normals(mesh), workpiece.values)
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
         """Pairs of the pool, without repetition in an individual."""

@@ -11,7 +11,6 @@ import numpy as np
 from meshops.edit import Edit
 from meshops.kernels.combining import claims, combine
 from meshops.kernels.quality import ELEMENTS
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.judge import judge
@@ -215,9 +214,7 @@ def _claims(workpiece: Workpiece, candidates: Candidates) -> tuple[Ints, Ints, i
     same edge or the same element, which is all that is left of what the judge sees in each alone.
     """
     mesh = workpiece.mesh
-    start, claimed = claims(
-        *candidates.arrays, mesh.elements, *elements_of_nodes(mesh.elements, len(mesh.points))
-    )
+    start, claimed = claims(*candidates.arrays, mesh.elements, *workpiece.around)
     # only numbers that occur are kept, so that a choice costs the same on any mesh
     used, numbers = np.unique(claimed, return_inverse=True)
     return start, numbers.astype(np.int32).reshape(-1), len(used)

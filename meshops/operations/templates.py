@@ -110,11 +110,13 @@ def fill(
     return filled
 
 
+@lru_cache
 def _table(templates: tuple[Template, ...]) -> Ints:
-    """(V, B, 4) int32 of some templates."""
+    """(V, B, 4) int32 of some templates, read-only."""
     most = max((len(template) for template in templates), default=1)
     table = np.full((len(templates), most, 4), NOWHERE, np.int32)
     for variant, template in enumerate(templates):
         for row, nodes in enumerate(template):
             table[variant, row, : len(nodes)] = nodes
+    table.flags.writeable = False
     return table
