@@ -29,6 +29,9 @@ from meshops.topology import topology
 TO_SOLVE, TO_LEAD = 30.0, 60.0
 """Seconds within which a start must be solved, and be ahead of every configuration of gmsh."""
 
+FLOW = 1000
+"""Rounds for a better flow: more than there is time for."""
+
 
 @dataclass(frozen=True, eq=False)
 class Start:
@@ -137,7 +140,8 @@ def is_folded(mesh: ShellMesh) -> bool:
 def _trial(start: Start) -> Trial:
     assert start.mesh is not None
     part = start.part
-    job = job_of(f"{part.name}, {start.configuration}", start.mesh, size=part.size)
+    name = f"{part.name}, {start.configuration}"
+    job = job_of(name, start.mesh, size=part.size, flow=FLOW)
     found = improved(job, TO_LEAD)
     before, after = found.done.before, found.done.after
     return Trial(

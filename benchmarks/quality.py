@@ -23,7 +23,7 @@ from benchmarks.isolation import IsolatedError
 from benchmarks.measures import Shape
 from benchmarks.parts import PARTS
 from benchmarks.peers import CONFIGURATIONS, Configuration, gmsh_polygon, gmsh_solid
-from benchmarks.planar import planar
+from benchmarks.planar import FLOW, planar
 from benchmarks.report import Row, parser, publish
 from benchmarks.search import search
 from islands.run import Finished
@@ -130,7 +130,7 @@ def polygon_row(options: argparse.Namespace) -> Found:
     size = float(np.median(np.linalg.norm(np.roll(places, -1, axis=0) - places, axis=1)))
     scoring = load_criteria(CRITERIA).at(size)
     start = _with_locked_border(gmsh_polygon(places, Configuration(8, 1)))
-    done = improved(job_of("polygon", start, size=size), POLYGON_SECONDS).done
+    done = improved(job_of("polygon", start, size=size, flow=FLOW), POLYGON_SECONDS).done
     ours, gmsh = Shape.of(done.mesh, scoring), Shape.of(start, scoring)
     rows = [_row("polygon: trias", done.after.trias, 0, f"gmsh {done.before.trias}")]
     for name, sign in (

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from meshops.edit import Edit
 from meshops.kernels.pairing import pair_up, split_quads
-from meshops.kernels.quality import TALLY_SIZE
+from meshops.kernels.quality import IRREGULAR, TALLY_SIZE
 from meshops.kernels.smoothing import smooth
 from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
 from meshops.mesh import Floats, Ints
-from meshops.patch import Patch, extract, stitch
+from meshops.patch import Patch, extract, join, stitch
 from meshops.remesher import RemeshError, remesh_isotropic
 from meshops.surface import PatchSurface
 from meshops.workpiece import Workpiece
@@ -60,8 +60,30 @@ def replace_patch(
     if anew is None:
         return Edit(), np.zeros(TALLY_SIZE)
     points, elements = anew
+    edit = stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements)
+    return edit, replacement_change(workpiece, patch, points, elements, edit)
+
+
+def joint_change(workpiece: Workpiece, done: Sequence[tuple[Edit, Floats]]) -> Floats:
+    """(TALLY_SIZE,) what some replaced patches change together, by what each changes alone.
+
+    Neighbouring patches share nodes, at which more elements may meet than either foretells. Nothing
+    is made of that where the fitness counts trias alone.
+    """
+    change: Floats = np.sum([alone for _, alone in done], axis=0)
+    if len(done) > 1 and workpiece.setting.fitness.kind != "trias":
+        edit = join(workpiece.mesh, [edit for edit, _ in done])
+        change[IRREGULAR] = workpiece.irregular_change(edit.removed, edit.added_elements)
+    return change
+
+
+def replacement_change(
+    workpiece: Workpiece, patch: Patch, points: Floats, elements: Ints, edit: Edit
+) -> Floats:
+    """(TALLY_SIZE,) what other elements in the place of a patch add to the tally of the mesh."""
     change = workpiece.tally_of(points, elements) - workpiece.tally_of(patch.points, patch.elements)
-    return stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements), change
+    change[IRREGULAR] = workpiece.irregular_change(patch.rows, edit.added_elements)
+    return change
 
 
 def remesh_patch(

@@ -19,15 +19,13 @@ from meshops.kernels.quality import (
     tally_elements,
     tally_values,
 )
+from meshops.kernels.regularity import irregular_change, irregular_nodes
 from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_values, failing_penalties, index_of_penalties
 from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
-from meshops.topology import FEATURE_ANGLE, Topology, topology, valences
-
-REGULAR = 4
-"""Elements that meet at a regular inner node."""
+from meshops.topology import FEATURE_ANGLE, Topology, topology
 
 
 @dataclass(frozen=True)
@@ -127,7 +125,8 @@ class Workpiece:
     @cached_property
     def irregular(self) -> Bools:
         """(N,) bool: inner nodes at which not just four elements meet."""
-        return self._irregular(self.topology.valence)
+        irregular: Bools = irregular_nodes(self.around[0], self.outside)
+        return irregular
 
     @cached_property
     def irregular_elements(self) -> Bools:
@@ -135,10 +134,6 @@ class Workpiece:
         elements = self.mesh.elements
         irregular: Bools = (self.irregular[elements] & (elements != NO_NODE)).any(axis=1)
         return irregular
-
-    def _irregular(self, valence: Ints) -> Bools:
-        irregular: Bools = (valence > 0) & (valence + self.outside != REGULAR)
-        return irregular & (self.outside >= 0)
 
     @cached_property
     def values(self) -> Floats:
@@ -184,19 +179,15 @@ class Workpiece:
         change: Floats = self.tally_of(edit.points_after(mesh), new) - self.tally_of(
             mesh.points, mesh.elements[touched]
         )
-        change[IRREGULAR] = self._irregular_change(mesh.elements[touched], new)
+        change[IRREGULAR] = self.irregular_change(np.nonzero(touched)[0].astype(np.int32), new)
         return change
 
-    def _irregular_change(self, gone: Ints, new: Ints) -> int:
-        """How many more nodes are irregular once elements have come for others."""
-        count = len(self.mesh.points)
-        before = self.topology.valence
-        after = valences(new, max(count, int(new.max(initial=-1)) + 1))
-        added = np.count_nonzero((after[count:] != REGULAR) & (after[count:] > 0))
-        after = before + after[:count] - valences(gone, count)
-        return int(added) + int(
-            np.count_nonzero(self._irregular(after)) - np.count_nonzero(self._irregular(before))
-        )
+    def irregular_change(self, gone: Ints, new: Ints) -> int:
+        """How many more nodes are irregular once elements (B, 4) have come for the rows `gone`."""
+        start = self.around[0]
+        counts = np.zeros(max(len(start) - 1, int(new.max(initial=-1)) + 1), np.int32)
+        change: int = irregular_change(gone, new, self.mesh.elements, start, self.outside, counts)
+        return change
 
     def fitness(self, tallies: Floats) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies."""

@@ -14,7 +14,7 @@ from meshops.fitness import Fitness
 from meshops.kernels.quality import FAILED, TRIAS
 from meshops.operations import RemeshRanges
 from meshops.operations.remesh_ranges import select
-from meshops.remeshing import replace_patch
+from meshops.remeshing import joint_change, replace_patch
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, unsound
@@ -125,8 +125,8 @@ def test_patches_at_once_are_patches_one_by_one(mesh, seed):
     piece = workpiece(mesh)
     ranges = np.random.default_rng(seed).integers(1, len(mesh.elements) + 1, (3, 2))
     edit = PAPER.apply(piece, ranges.astype(np.int32))
-    alone = [replace_patch(piece, rows)[1] for rows in select(piece, ranges)]
-    total = np.sum(alone, axis=0) if alone else 0 * piece.tally
+    alone = [replace_patch(piece, rows) for rows in select(piece, ranges)]
+    total = joint_change(piece, alone) if alone else 0 * piece.tally
     np.testing.assert_allclose(piece.tally_change(edit), total, atol=1e-9)
 
 

@@ -12,7 +12,8 @@ from math import sqrt
 import numpy as np
 
 from meshops.kernels.exchanging import is_whole, size_of
-from meshops.kernels.quality import CRITERIA, TALLY_SIZE, add_element, add_values
+from meshops.kernels.quality import CRITERIA, IRREGULAR, TALLY_SIZE, add_element, add_values
+from meshops.kernels.regularity import irregular_change
 from meshops.kernels.smoothing import own_corner
 from meshops.kernels.soundness import FACING
 from meshops.kernels.vectors import (
@@ -184,6 +185,7 @@ def judge_candidates(
     free: Bools,
     start: Ints,
     around: Ints,
+    outside: Ints,
     values: Floats,
     tally: Floats,
     levels: Floats,
@@ -202,6 +204,8 @@ def judge_candidates(
         The mesh and its topology; `free` (N,) bool: nodes that may move or vanish.
     start, around
         The elements of its nodes.
+    outside : (N,) int32
+        How many elements that are not of the mesh meet at each node, -1 where any number may.
     values : (M, 12) float64
         Measures of the elements as they are.
     tally : (TALLY_SIZE,) float64
@@ -229,6 +233,7 @@ def judge_candidates(
     sides = np.empty((4 * most_added, 2), np.int32)
     inner = np.empty((4 * most_added, 2), np.int32)
     affected = np.empty(len(elements), np.int32)
+    counts = np.zeros(nodes + _most(point_start), np.int32)
     scratch = np.empty(CRITERIA)
     places = np.empty((nodes + _most(point_start), 3))
     places[:nodes] = points
@@ -269,6 +274,7 @@ def judge_candidates(
                     row, places, comes[i], scratch,
                     levels, weights, active, penalties, normalised,
                 )  # fmt: skip
+            row[IRREGULAR] += irregular_change(goes, comes, elements, start, outside, counts)
             for i in range(touched):
                 e = affected[i]
                 _take_out(

@@ -8,12 +8,14 @@ import numpy as np
 from meshops.kernels.quality import (
     CRITERIA,
     ELEMENTS,
+    IRREGULAR,
     QUADS,
     TALLY_SIZE,
     TRIAS,
     add_element,
     add_values,
 )
+from meshops.kernels.regularity import irregular_change
 from meshops.kernels.soundness import FACING
 from meshops.kernels.vectors import area_vector, compiled, corner_jacobian_min, inlined, unit
 from meshops.mesh import Bools, Floats, Ids, Ints
@@ -123,6 +125,7 @@ def evaluate_merges(
     elements: Ints,
     start: Ints,
     around: Ints,
+    outside: Ints,
     normals: Floats,
     values: Floats,
     tally: Floats,
@@ -144,6 +147,8 @@ def evaluate_merges(
         Whether the edge between a and b is on the border.
     points, elements
         The mesh; start, around: the elements of its nodes.
+    outside : (N,) int32
+        How many elements that are not of the mesh meet at each node, -1 where any number may.
     normals : (M, 3) float64
         Unit normals of the elements.
     values : (M, 12) float64
@@ -166,6 +171,8 @@ def evaluate_merges(
     node_seen = np.full(len(points), -1, np.int64)
     element_seen = np.full(len(elements), -1, np.int64)
     affected = np.empty(len(elements), np.int32)
+    merged = np.empty((len(elements), 4), np.int32)
+    counts = np.zeros(len(points), np.int32)
     out = np.empty(4, np.int32)
     before = np.empty(MOST_NEIGHBOURS, np.int32)
     after = np.empty(MOST_NEIGHBOURS, np.int32)
@@ -188,7 +195,7 @@ def evaluate_merges(
             row[:] = np.nan
             continue
 
-        touched = 0
+        touched = comes = 0
         euler = 0  # twice the change of nodes - edges + elements
         for g in range(genomes.shape[1]):
             gene = genomes[p, g]
@@ -223,6 +230,8 @@ def evaluate_merges(
             if size == 0:
                 euler -= 2
                 continue
+            merged[comes] = out
+            comes += 1
             n = unit(area_vector(points, out[0], out[1], out[2], out[3]))
             facing = n[0] * normals[e, 0] + n[1] * normals[e, 1] + n[2] * normals[e, 2]
             if (
@@ -241,6 +250,10 @@ def evaluate_merges(
                 row[ELEMENTS] += 1.0
                 row[TRIAS if out[3] < 0 else QUADS] += 1.0
         valid = valid and euler == 0
+        if valid and measured:
+            row[IRREGULAR] += irregular_change(
+                affected[:touched], merged[:comes], elements, start, outside, counts
+            )
         for gene in genomes[p]:
             if valid and gene < len(pool):
                 valid = _is_manifold(

@@ -39,6 +39,7 @@ def judge(workpiece: Workpiece, candidates: Candidates) -> Floats:
         topology.free_nodes,
         start,
         around,
+        workpiece.outside,
         workpiece.values,
         workpiece.tally,
         *workpiece.setting.scoring.arrays,

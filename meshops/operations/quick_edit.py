@@ -14,7 +14,12 @@ from meshops.kernels.soundness import all_facing, has_doubles, sound_elements, u
 from meshops.mesh import Floats, Ids, Ints
 from meshops.methods import METHODS, Method
 from meshops.patch import Patch, components, extract, join, stitch
-from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE, remesh_patch
+from meshops.remeshing import (
+    LEAST_CORNER,
+    SURFACE_TOLERANCE,
+    remesh_patch,
+    replacement_change,
+)
 from meshops.surface import PatchSurface
 from meshops.workpiece import Workpiece
 
@@ -133,8 +138,8 @@ def surround(
     if made is None:
         return Edit(), np.zeros(TALLY_SIZE)
     points, elements = made
-    change = workpiece.tally_of(points, elements) - workpiece.tally_of(patch.points, patch.elements)
-    return stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements), change
+    edit = stitch(workpiece.mesh, patch, points[patch.border_nodes :], elements)
+    return edit, replacement_change(workpiece, patch, points, elements, edit)
 
 
 def _cut_out(workpiece: Workpiece, hole: Hole, width: float) -> tuple[Patch, Ints | None]:

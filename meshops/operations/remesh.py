@@ -12,7 +12,7 @@ from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.methods import METHODS
 from meshops.patch import components, join
-from meshops.remeshing import replace_patch
+from meshops.remeshing import joint_change, replace_patch
 from meshops.workpiece import Workpiece
 
 LOCAL, WANTED = "of the place", "of the criteria"
@@ -113,11 +113,11 @@ class RemeshSpace:
         key = genome.tobytes()
         if key not in self._changes:
             done = [
-                change
+                (edit, change)
                 for edit, change in remesh_place(self.workpiece, _place(genome))
                 if not edit.is_empty
             ]
-            self._changes[key] = np.sum(done, axis=0) if done else None
+            self._changes[key] = joint_change(self.workpiece, done) if done else None
         return self._changes[key]
 
 

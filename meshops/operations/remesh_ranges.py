@@ -10,7 +10,7 @@ from meshops.edit import Edit
 from meshops.kernels.selection import select_ranges
 from meshops.mesh import Floats, Ids, Ints
 from meshops.patch import components, join
-from meshops.remeshing import replace_patch
+from meshops.remeshing import joint_change, replace_patch
 from meshops.workpiece import Workpiece
 
 
@@ -54,7 +54,7 @@ class RemeshRangesSpace:
 
     def __init__(self, operation: RemeshRanges, workpiece: Workpiece) -> None:
         self.workpiece = workpiece
-        self._changes: dict[bytes, Floats] = {}
+        self._done: dict[bytes, tuple[Edit, Floats]] = {}
         count = len(workpiece.mesh.elements)
         self.bounds: Ids = np.full(2 * operation.ranges, count, np.int64)
 
@@ -73,16 +73,15 @@ class RemeshRangesSpace:
 
     def tally(self, genome: Ids) -> Floats:
         """Add up what the patches of one genome change."""
-        tally = self.workpiece.tally
-        for rows in select(self.workpiece, self.parameters(genome)):
-            tally = tally + self._change(rows)
-        return tally
+        workpiece = self.workpiece
+        done = [self._replaced(rows) for rows in select(workpiece, self.parameters(genome))]
+        return workpiece.tally + joint_change(workpiece, done) if done else workpiece.tally
 
-    def _change(self, rows: Ints) -> Floats:
+    def _replaced(self, rows: Ints) -> tuple[Edit, Floats]:
         key = rows.tobytes()
-        if key not in self._changes:
-            self._changes[key] = replace_patch(self.workpiece, rows)[1]
-        return self._changes[key]
+        if key not in self._done:
+            self._done[key] = replace_patch(self.workpiece, rows)
+        return self._done[key]
 
 
 def select(workpiece: Workpiece, ranges: Ints) -> list[Ints]:

@@ -163,6 +163,7 @@ class ReplaceNodeSpace:
             mesh.points,
             mesh.elements,
             *self._around,
+            self.workpiece.outside,
             *self._of_elements,
             self.workpiece.tally,
             levels,
