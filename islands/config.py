@@ -65,6 +65,7 @@ class Config(BaseModel):
     criteria: str = "standard"
     size: Annotated[float, Field(gt=0)] | str | None = None
     feature_angle: float = Field(30.0, gt=0, le=180)
+    slide: bool = True
     islands: int = Field(2, ge=1)
     population: int = Field(2, ge=2)
     generations: int = Field(2, ge=0)

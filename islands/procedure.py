@@ -95,6 +95,7 @@ class Procedure:
     size_field : str or None
         As the user named it: ``local``, or a file of sizes.
     feature_angle : float
+    slides : bool
         The setting under which its operations ran.
     seed : int
         Seed of the run that found it.
@@ -109,6 +110,7 @@ class Procedure:
     element_size: float | None
     size_field: str | None
     feature_angle: float
+    slides: bool
     seed: int
 
     def setting(self, mesh: ShellMesh, size: float | None = None) -> Setting:
@@ -121,6 +123,7 @@ class Procedure:
             fitness=Fitness("quality", len(mesh.elements)),
             element_size=self.element_size,
             feature_angle=self.feature_angle,
+            slides=self.slides,
             sizes=parse_size(self.size_field, mesh) if self.size_field else None,
         )
 
@@ -153,6 +156,7 @@ class Procedure:
             "element_size": self.element_size,
             "size_field": self.size_field,
             "feature_angle": self.feature_angle,
+            "slides": self.slides,
             "seed": self.seed,
             "rounds": [
                 {
@@ -204,6 +208,7 @@ class Procedure:
                 element_size=None if size is None else float(size),
                 size_field=document["size_field"],
                 feature_angle=float(document["feature_angle"]),
+                slides=bool(document.get("slides", False)),  # what older files do not have
                 seed=int(document["seed"]),
             )
         except (ValueError, KeyError, TypeError) as error:

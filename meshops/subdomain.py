@@ -9,9 +9,10 @@ import numpy as np
 
 from meshops.edit import Edit
 from meshops.kernels.partition import partition
-from meshops.mesh import NEW, NO_NODE, Floats, Ints, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.patch import Patch, extract
 from meshops.surface import PatchSurface
+from meshops.topology import Topology
 from meshops.workpiece import Workpiece
 
 
@@ -33,24 +34,27 @@ class Extent:
 
 @dataclass(frozen=True, eq=False)
 class Subdomain:
-    """Connected elements of one zone as a mesh of its own, whose border stays as it is.
+    """Connected elements of one zone as a mesh of its own, whose border stays in its line.
 
     Attributes
     ----------
     patch : Patch
         Where it comes from.
     mesh : ShellMesh
-        Its border nodes come first and are locked; ids are rows of the patch plus 1.
+        Its border nodes come first and are locked, but for those that may slide along a border of
+        the mesh; ids are rows of the patch plus 1.
     """
 
     patch: Patch
     mesh: ShellMesh
 
     @classmethod
-    def of(cls, patch: Patch) -> Subdomain:
-        """Make a mesh of a patch."""
+    def of(cls, patch: Patch, sliding: Bools | None = None) -> Subdomain:
+        """Make a mesh of a patch; `sliding` (n,) bool: which of its border nodes are not locked."""
         locked = np.zeros(len(patch.points), bool)
         locked[: patch.border_nodes] = True
+        if sliding is not None:
+            locked &= ~sliding
         region = np.full(len(patch.elements), patch.region)
         mesh = ShellMesh.build(patch.points, patch.elements, region=region, locked_nodes=locked)
         return cls(patch, mesh)
@@ -127,13 +131,33 @@ def subdomains(workpiece: Workpiece, extent: Extent, turn: int) -> list[Subdomai
     chosen = np.nonzero(label >= 0)[0].astype(np.int32)
     order = np.argsort(label[chosen], kind="stable")
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]
+    sliding = _Sliding(topology) if workpiece.setting.slides else None
     found = []
     for rows in np.split(chosen[order], ends):
-        subdomain = Subdomain.of(extract(topology, rows))
+        patch = extract(topology, rows)
+        subdomain = Subdomain.of(patch, sliding.inside(patch) if sliding else None)
         trias = np.count_nonzero(subdomain.mesh.is_tria)
         if workpiece.failing[rows].any() or trias > subdomain.least_trias:
             found.append(subdomain)
     return found
+
+
+class _Sliding:
+    """Which border nodes of a patch may slide: those with all their elements in it."""
+
+    def __init__(self, topology: Topology) -> None:
+        self._may_slide = topology.sliding_nodes
+        self._uses = _uses(topology.mesh.elements, len(topology.mesh.points))
+
+    def inside(self, patch: Patch) -> Bools:
+        """(n,) bool by patch node."""
+        uses = _uses(patch.elements, len(patch.points))
+        inside: Bools = self._may_slide[patch.nodes] & (uses == self._uses[patch.nodes])
+        return inside
+
+
+def _uses(elements: Ints, nodes: int) -> Ints:
+    return np.bincount(elements[elements != NO_NODE], minlength=nodes).astype(np.int32)
 
 
 def places(workpiece: Workpiece) -> Ints:

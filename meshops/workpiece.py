@@ -34,6 +34,8 @@ class Setting:
         Degrees from which the edge between two elements is a feature.
     sizes : SizeField or None
         The wanted size by place, where it is not the same everywhere: lengths are judged by it.
+    slides : bool
+        Whether nodes of a subdomain on a border of the mesh may slide along it.
     """
 
     scoring: Scoring
@@ -41,6 +43,7 @@ class Setting:
     element_size: float | None = None
     feature_angle: float = FEATURE_ANGLE
     sizes: SizeField | None = None
+    slides: bool = False
 
     def at_even_size(self, mesh: ShellMesh) -> ShellMesh:
         """Bring each element to the size that `scoring` judges lengths by, apart from the others.

@@ -249,24 +249,11 @@ def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:
 
 
 def straight_border_nodes(topology: Topology) -> Bools:
-    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier.
-
-    Both ends of a fan are barriers, so a node with one fan and two border edges has no others.
-    """
-    mesh = topology.mesh
-    locked = mesh.locked_nodes.copy()
-    corners = mesh.elements[mesh.locked_elements]
-    locked[corners[corners != NO_NODE]] = True
-    edges = topology.edges[topology.is_border]
-    ends = np.concatenate([edges[:, 0], edges[:, 1]])
-    others = np.concatenate([edges[:, 1], edges[:, 0]])
-    borders = np.bincount(ends, minlength=len(mesh.points))
-    fans = np.bincount(topology.fans[1], minlength=len(mesh.points))
-    nodes = np.nonzero((borders == 2) & (fans == 1) & ~locked)[0]
-    order = np.argsort(ends, kind="stable")
-    first = np.searchsorted(ends[order], nodes)
-    one = mesh.points[others[order[first]]] - mesh.points[nodes]
-    two = mesh.points[others[order[first + 1]]] - mesh.points[nodes]
+    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier."""
+    mesh, neighbours = topology.mesh, topology.border_neighbours
+    nodes = np.nonzero(neighbours[:, 0] >= 0)[0]
+    one = mesh.points[neighbours[nodes, 0]] - mesh.points[nodes]
+    two = mesh.points[neighbours[nodes, 1]] - mesh.points[nodes]
     size = np.linalg.norm(one, axis=1) * np.linalg.norm(two, axis=1)
     in_line = (np.linalg.norm(np.cross(one, two), axis=1) <= STRAIGHT * size) & (
         np.einsum("ij,ij->i", one, two) < 0
