@@ -89,24 +89,27 @@ class Topology:
 
     @cached_property
     def border_neighbours(self) -> Ints:
-        """(N, 2) int32: the neighbours of a node along a border; -1 where it is held.
+        """(N, 2) int32: the nodes before and after a node along a border; -1 where it is held.
 
         Held is what does not lie between just two border edges, or is on another barrier too, or is
-        locked, or belongs to a locked element.
+        locked, or belongs to a locked element. A border runs as the elements at it do.
         """
         mesh = self.mesh
-        edges = self.edges[self.is_border]
-        ends, others = edges.ravel(), edges[:, ::-1].ravel()
+        is_side = self.element_edges >= 0
+        is_side &= self.is_border[self.element_edges]
+        rows, sides = np.nonzero(is_side)
+        size = np.where(mesh.is_tria, 3, 4)[rows]
+        start, end = mesh.elements[rows, sides], mesh.elements[rows, (sides + 1) % size]
         # both ends of a fan are barriers: one fan and two border edges, so no others
-        between = np.bincount(ends, minlength=len(mesh.points)) == 2
+        count = len(mesh.points)
+        between = np.bincount(start, minlength=count) + np.bincount(end, minlength=count) == 2
         between &= (self._fans_of_node == 1) & ~mesh.locked_nodes
         corners = mesh.elements[mesh.locked_elements]
         between[corners[corners >= 0]] = False
-        nodes = np.nonzero(between)[0]
-        order = np.argsort(ends, kind="stable")
-        first = np.searchsorted(ends[order], nodes)
-        neighbours = np.full((len(mesh.points), 2), -1, np.int32)
-        neighbours[nodes] = others[order[first[:, None] + np.arange(2)]]
+        neighbours = np.full((count, 2), -1, np.int32)
+        neighbours[end, 0] = start
+        neighbours[start, 1] = end
+        neighbours[~between] = -1
         return neighbours
 
     @cached_property

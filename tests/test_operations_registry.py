@@ -37,7 +37,7 @@ def procedure_of(*steps):
     place = Place((1.0, 2.5, 1 / 3), steps)
     box = np.array([(0.0, 0.0, 0.0), (50.0, 40.0, 0.1)])
     rounds = (Round(Extent(3, 60), 4, (place, Place((0.0, 0.0, 0.0), ()))),)
-    return Procedure(rounds, "m", "r", box, PAPER, 5.0, None, None, 30.0, 7)
+    return Procedure(rounds, "m", "r", box, PAPER, 5.0, None, None, 30.0, slides=True, seed=7)
 
 
 def test_names_and_codes_are_unique():

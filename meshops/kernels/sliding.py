@@ -18,7 +18,6 @@ import numpy as np
 from meshops.kernels.node_scores import (
     Ground,
     Net,
-    Score,
     Scoring,
     State,
     foot,
@@ -159,6 +158,28 @@ def _slide(
 
 
 @compiled
+def _shift(
+    net: Net,
+    node: int,
+    method: int,
+    shift: float,
+    line: Line,
+    ground: Ground,
+    state: State,
+    scoring: Scoring,
+) -> bool:
+    """Move a border node along its border, be that better or not; whether it may."""
+    along, _, edge = _frame(net, node, line, state[2])
+    trial = add(row(net[0], node), scale(along, shift * edge))
+    put(net[0], node, nearest_on_rails(trial, line[1])[0])
+    if score_trial(net, node, method, (inf, inf, inf), state, scoring)[0] == inf:
+        return False
+    if not _follows(net, node, line, line[2] * edge):
+        return False
+    return len(ground[1]) == 0 or lies_on(net, node, ground, state)
+
+
+@compiled
 def slide(
     points: Floats,
     elements: Ints,
@@ -166,10 +187,14 @@ def slide(
     method: int,
     plane: Floats,
     line: Line,
+    shift: float,
     ground: Ground,
     scoring: Scoring,
 ) -> int:
     """Move nodes, those on a border along it, as `optimise` moves inner ones, in place.
+
+    Along a border of which each element fails alike, no node can do anything alone: `shift`, of its
+    edges, is what all border nodes beside failing elements do at first.
 
     Parameters
     ----------
@@ -178,9 +203,10 @@ def slide(
     nodes : (K,) int32
         Rows of the nodes that may move.
     method, plane, ground, scoring
-        See `optimise`.
+        See `optimise`; only ``EVEN`` lets one element get better at the cost of another.
     line
         See above: nodes without neighbours there are inner nodes.
+    shift : float
 
     Returns
     -------
@@ -193,6 +219,14 @@ def slide(
     step = np.full(len(points), -1.0)
     for node in nodes:  # the others sleep until a neighbour has moved
         step[node] = FIRST_STEP if score_now(net, node, method, state[0])[0] > 0.0 else 0.0
+    if shift != 0.0:
+        for node in nodes:
+            if step[node] > 0.0 and line[0][node, 0] >= 0:
+                old = row(points, node)
+                if _shift(net, node, method, shift, line, ground, state, scoring):
+                    keep(net, node, ground, state, step)
+                else:
+                    put(points, node, old)
     worst = np.empty(len(nodes))
     visits = 0
     for _ in range(SWEEPS):

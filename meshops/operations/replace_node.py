@@ -11,7 +11,7 @@ from meshops.kernels.merging import evaluate_merges, rewire
 from meshops.kernels.patches import FAR
 from meshops.kernels.quality import CRITERIA, ELEMENTS, compound_indices, measure_elements
 from meshops.kernels.smoothing import elements_of_nodes
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.topology import Topology, element_normals
 from meshops.workpiece import Workpiece
 
@@ -212,6 +212,8 @@ def least_harmful(workpiece: Workpiece, pairs: Ints, on_border: Bools, most: int
 def ranked_pairs(workpiece: Workpiece) -> tuple[Ints, Bools]:
     """All pairs that may be merged, those nearest to a bad element first, and their borders."""
     pairs, on_border = mergeable_pairs(workpiece.topology)
+    if workpiece.setting.slides:  # then border nodes are not locked that may move, but must stay
+        pairs, on_border = pairs[~on_border], on_border[~on_border]
     mesh = workpiece.mesh
     distance = np.full(len(mesh.points) + 1, FAR, np.int32)
     np.minimum.at(distance, mesh.elements, workpiece.rings[:, None])

@@ -79,7 +79,7 @@ class SmoothSpace:
         """Places near the worst elements more often than others, half of them alone."""
         genomes = rng.integers(0, self.bounds, (count, len(self.bounds)))
         genomes[:, 0] = (self.bounds[0] * rng.random(count) ** 2).astype(np.int64)
-        genomes[rng.random(count) < 0.5, len(self.bounds) // 2] = 0
+        genomes[rng.random(count) < 0.5, 3] = 0
         return genomes
 
     def evaluate(self, genomes: Ids) -> Floats:
@@ -184,9 +184,8 @@ class SmoothSpace:
 
 
 def _places(genome: Ids) -> Ints:
-    """(1 or 2, C) int32 places of a genome (2 C,)."""
-    places = genome.reshape(2, -1).copy()
-    places[0, 0] += 1
+    """(1 or 2, 3) int32 places of a genome (6,)."""
+    places = genome.reshape(2, 3) + np.array([[1, 0, 0], [0, 0, 0]])
     places[:, 1] = np.take(RINGS, places[:, 1])
     chosen: Ints = places[places[:, 0] > 0].astype(np.int32)
     return chosen
