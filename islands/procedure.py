@@ -268,12 +268,14 @@ def perform(
     rounds: tuple[Round, ...],
     operations: tuple[Operation, ...],
     setting: Setting,
+    reference: Reference | None = None,
 ) -> ShellMesh:
     """Perform rounds on the mesh that they were found on.
 
-    Raises InputError where a step names what the mesh does not have.
+    `reference` is what nodes must stay on where that is another mesh. Raises InputError where a
+    step names what the mesh does not have.
     """
-    reference = Reference(mesh, setting.feature_angle)
+    reference = reference or Reference(mesh, setting.feature_angle)
     for done in rounds:
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)

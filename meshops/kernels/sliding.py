@@ -55,7 +55,9 @@ Line = tuple[Ints, Floats, float]
 SAMPLES = 4
 """Parts into which an edge is divided to see whether it follows the border."""
 
-STRAYS = np.array([(i, j * k) for k in (0.3, 0.6, 0.9) for i in (0, -1, 1, -2, 2) for j in (1, -1)])
+STRAYS = np.array(
+    [(i, j * k) for k in (0.25, 0.5, 0.75, 0.95) for i in (0, -1, 1, -2, 2) for j in (1, -1)]
+)
 """Places that a node tries which leaves the border: first steps along it, and tolerances off it."""
 
 
