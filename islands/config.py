@@ -92,7 +92,9 @@ class Config(BaseModel):
     @property
     def operations(self) -> tuple[Operation, ...]:
         """The operations of the profile."""
-        return PAPER_OPERATIONS if self.profile == "paper" else OPERATIONS
+        if self.profile == "paper":
+            return PAPER_OPERATIONS
+        return tuple(o for o in OPERATIONS if self.slide or o.name != "slide")
 
     @property
     def improving(self) -> bool:

@@ -29,8 +29,9 @@ def found_on_a_plate(operation):
             parameters = space.parameters(genome)
             if len(parameters):
                 return parameters
-    columns = 4 if operation.name == "quick-edit" else 2
-    return np.ones((1, columns), np.int32)  # there are no doublets or holes on these plates
+    # there are no doublets or holes on these plates, and no first mesh to slide along
+    columns = {"quick-edit": 4, "slide": 3}.get(operation.name, 2)
+    return np.ones((1, columns), np.int32)
 
 
 def procedure_of(*steps):

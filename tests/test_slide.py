@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from islands.procedure import Procedure, perform
+from islands.transfer import transfer
 from meshops.criteria import PAPER, STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
@@ -20,6 +21,7 @@ from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, subdomains
 from meshops.topology import CORNER_ANGLE, topology
 from meshops.workpiece import Setting, Workpiece
+from tests.decks import bad_plate
 from tests.jobs import faults, finish, job
 from tests.measures import fans, sides, users
 from tests.meshes import (
@@ -36,6 +38,7 @@ from tests.meshes import (
     with_,
 )
 from tests.wholeness import assert_nothing_locked_has_changed
+from tracking.events import RoundReport
 
 ALL_KINDS = FLAT_KINDS + CURVED_KINDS
 TOLERANCE = 0.1
@@ -247,3 +250,47 @@ def test_whether_it_slides_is_known_to_a_subdomain(slides):
     (whole,) = subdomains(piece, Extent(99, 999), 0)
     assert isinstance(whole, Subdomain)
     assert np.count_nonzero(~whole.mesh.locked_nodes) == (11 if slides else 0)
+
+
+# --- in a run -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def told():
+    """A run on a bad plate, and the rounds that it tells of."""
+    events = []
+    done = finish(job(bad_plate()), events)
+    return done, [event for event in events if isinstance(event, RoundReport)]
+
+
+def test_it_slides_before_it_searches(told):
+    done, rounds = told
+    steps = [step for place in done.procedure.rounds[0].places for step in place.steps]
+    assert steps
+    assert {step.code for step in steps} == {SLIDE.code}
+    assert rounds[0].evaluations == 0
+    assert rounds[0].failed < faults(bad_plate())[0]
+    assert (done.after.failed, done.after.trias) <= (rounds[0].failed, rounds[0].trias)
+
+
+def test_a_run_that_slides_gives_the_same_mesh_in_any_batches(told, monkeypatch):
+    monkeypatch.setattr("islands.rounds.BATCH", 2)
+    assert finish(job(bad_plate())).mesh.digest == told[0].mesh.digest
+
+
+def test_what_slid_is_replayed_and_transferred(told):
+    mesh, procedure = bad_plate(), told[0].procedure
+    again = perform(mesh, procedure.rounds, ALL_OPERATIONS, procedure.setting(mesh))
+    assert again.digest == told[0].mesh.digest
+    other = bad_plate(seed=3)
+    better, _ = transfer(procedure, other, ALL_OPERATIONS, procedure.setting(other))
+    assert faults(better) < faults(other)
+
+
+def test_a_corner_of_a_part_stays(told):
+    """The four corners of the plate, and so its outline, but for nodes in one line."""
+    before, after = bad_plate(), told[0].mesh
+    low, high = before.points.min(axis=0), before.points.max(axis=0)
+    for x in (low[0], high[0]):
+        for y in (low[1], high[1]):
+            assert (np.abs(after.points[:, :2] - (x, y)).max(axis=1) == 0).any()
