@@ -148,9 +148,8 @@ class _Search:
 
     def _slide(self) -> None:
         """Let border nodes slide, before anything else, where fewer elements fail by that."""
-        extent = self.plan.extents[-1]
-        done = slid(self.problem, self.workpiece, self.reference, extent)
-        if done is None:
+        done = slid(self.problem, self.workpiece, self.reference)
+        if done is None or done.extent is None:
             return
         mesh, setting = self.workpiece.mesh, self.problem.setting
         mesh = perform(mesh, (done,), self.problem.operations, setting, self.reference)
@@ -158,7 +157,7 @@ class _Search:
         self.rounds.append(done)
         self.best_rounds = 1
         problem = replace(self.problem, weights=adapted_rates(self.credit))
-        self._report(done, extent, problem, [], [])
+        self._report(done, done.extent, problem, [], [])
 
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
         before = self.workpiece

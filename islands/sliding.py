@@ -13,13 +13,14 @@ from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, subdomains
 from meshops.workpiece import Workpiece
 
+EXTENT = Extent(40, 2000)
+"""Of the subdomains: long strips fit in, and large areas do not take long."""
+
 TIMES = 3
 """That the border nodes of a subdomain slide at the most."""
 
 
-def slid(
-    problem: Problem, workpiece: Workpiece, reference: Reference, extent: Extent
-) -> Round | None:
+def slid(problem: Problem, workpiece: Workpiece, reference: Reference) -> Round | None:
     """Slide in each subdomain of a mesh, where fewer elements fail by that; None where in none.
 
     No other operation has changed anything yet that stood in the way, and elements that pass are
@@ -29,19 +30,15 @@ def slid(
     if operation not in problem.operations or not workpiece.topology.sliding_nodes.any():
         return None
     places = []
-    for subdomain in subdomains(workpiece, extent, 0):
+    for subdomain in subdomains(workpiece, EXTENT, 0):
         x, y, z = subdomain.centre.tolist()
-        steps = _steps(operation, subdomain, workpiece, reference, extent)
+        steps = _steps(operation, subdomain, workpiece, reference)
         places.append(Place((x, y, z), steps))
-    return Round(extent, 0, tuple(places)) if any(place.steps for place in places) else None
+    return Round(EXTENT, 0, tuple(places)) if any(place.steps for place in places) else None
 
 
 def _steps(
-    operation: Slide,
-    subdomain: Subdomain,
-    around: Workpiece,
-    reference: Reference,
-    extent: Extent,
+    operation: Slide, subdomain: Subdomain, around: Workpiece, reference: Reference
 ) -> tuple[Step, ...]:
     """Slide as long as fewer elements fail, each time by the shift that makes it fittest."""
     steps: list[Step] = []
@@ -51,7 +48,7 @@ def _steps(
         return ()
     workpiece = Workpiece(subdomain.mesh, setting, reference.around(subdomain.patch))
     while len(steps) < TIMES:
-        choices = [np.array([[1, extent.rings, k]], np.int32) for k in range(len(SHIFTS))]
+        choices = [np.array([[1, EXTENT.rings, k]], np.int32) for k in range(len(SHIFTS))]
         edits = [operation.apply(workpiece, choice) for choice in choices]
         tallies = workpiece.tally + np.stack([workpiece.tally_change(edit) for edit in edits])
         best = int(np.argmax(workpiece.fitness(tallies)))
