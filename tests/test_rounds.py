@@ -126,7 +126,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
     """And what was tried in vain after the last gain is no part of the procedure."""
     mesh = with_a_fault_for_ever(bad_plate())
     events: Events = []
-    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60]), events)
+    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60], slide=False), events)
     assert "brought no gain" in events[-1].reason  # type: ignore[union-attr]
     assert (1, 0) <= faults(done.mesh) < faults(mesh)
     rounds = [e for e in events if isinstance(e, RoundReport)]
