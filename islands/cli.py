@@ -108,6 +108,11 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
     metavar="L|local|FILE",
     help="Target element size: a number, the mesh's own gradation, or a file of x,y,z,size.",
 )
+@click.option(
+    "--slide/--no-slide",
+    default=None,
+    help="Whether nodes on a border may slide along it; default: they may.",
+)
 @click.option("--islands", type=int, metavar="N")
 @click.option("--population", type=int, metavar="N", help="Individuals on each island.")
 @click.option("--generations", type=int, metavar="N")

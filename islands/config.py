@@ -66,6 +66,7 @@ class Config(BaseModel):
     criteria: str = "standard"
     size: Annotated[float, Field(gt=0)] | str | None = None
     feature_angle: float = Field(30.0, gt=0, le=180)
+    slide: bool = True
     islands: int = Field(2, ge=1)
     population: int = Field(2, ge=2)
     generations: int = Field(2, ge=0)
@@ -94,7 +95,9 @@ class Config(BaseModel):
     @property
     def operations(self) -> tuple[Operation, ...]:
         """The operations of the profile."""
-        return PAPER_OPERATIONS if self.profile == "paper" else OPERATIONS
+        if self.profile == "paper":
+            return PAPER_OPERATIONS
+        return tuple(o for o in OPERATIONS if self.slide or o.name != "slide")
 
     @property
     def improving(self) -> bool:

@@ -98,6 +98,7 @@ class Procedure:
     size_field : str or None
         As the user named it: ``local``, or a file of sizes.
     feature_angle : float
+    slides : bool
         The setting under which its operations ran.
     seed : int
         Seed of the run that found it.
@@ -112,6 +113,7 @@ class Procedure:
     element_size: float | None
     size_field: str | None
     feature_angle: float
+    slides: bool
     seed: int
 
     def setting(self, mesh: ShellMesh, size: float | None = None) -> Setting:
@@ -124,6 +126,7 @@ class Procedure:
             fitness=Fitness("quality", len(mesh.elements)),
             element_size=self.element_size,
             feature_angle=self.feature_angle,
+            slides=self.slides,
             sizes=parse_size(self.size_field, mesh) if self.size_field else None,
         )
 
@@ -156,6 +159,7 @@ class Procedure:
             "element_size": self.element_size,
             "size_field": self.size_field,
             "feature_angle": self.feature_angle,
+            "slides": self.slides,
             "seed": self.seed,
             "rounds": [
                 {
@@ -208,6 +212,7 @@ class Procedure:
                 element_size=None if size is None else float(size),
                 size_field=document["size_field"],
                 feature_angle=float(document["feature_angle"]),
+                slides=bool(document.get("slides", False)),  # what older files do not have
                 seed=int(document["seed"]),
             )
         except (ValueError, KeyError, TypeError) as error:
@@ -268,12 +273,14 @@ def perform(
     rounds: tuple[Round, ...],
     operations: tuple[Operation, ...],
     setting: Setting,
+    reference: Reference | None = None,
 ) -> ShellMesh:
     """Perform rounds on the mesh that they were found on.
 
-    Raises InputError where a step names what the mesh does not have.
+    `reference` is what nodes must stay on where that is another mesh. Raises InputError where a
+    step names what the mesh does not have.
     """
-    reference = Reference(mesh, setting.feature_angle)
+    reference = reference or Reference(mesh, setting.feature_angle)
     for done in rounds:
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)

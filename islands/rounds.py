@@ -11,8 +11,9 @@ import numpy as np
 from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
-from islands.procedure import Place, Round, Step, perform_steps, subdomain_setting
+from islands.procedure import Place, Round, Step, perform, perform_steps, subdomain_setting
 from islands.reporter import Reporter
+from islands.sliding import slid
 from meshops.edit import apply
 from meshops.kernels.quality import FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
@@ -143,6 +144,8 @@ class _Search:
         status: Status = "finished"
         reason = "all rounds are done"
         try:
+            if self.plan.rounds:
+                self._slide()
             for turn in range(self.plan.rounds + self.plan.flow):
                 found = subdomains(self.workpiece, self._extent, turn, self.aim)
                 if not found and self.aim == "faults":
@@ -167,6 +170,19 @@ class _Search:
             status = "interrupted"
         rounds = tuple(self.rounds[: self.best_rounds])
         return Evolution(self.best.mesh, rounds, self.evaluations, status, reason)
+
+    def _slide(self) -> None:
+        """Let border nodes slide, before anything else, where fewer elements fail by that."""
+        done = slid(self.problem, self.workpiece, self.reference)
+        if done is None or done.extent is None:
+            return
+        mesh, setting = self.workpiece.mesh, self.problem.setting
+        mesh = perform(mesh, (done,), self.problem.operations, setting, self.reference)
+        self.workpiece = self.best = Workpiece(mesh, setting)
+        self.rounds.append(done)
+        self.best_rounds = 1
+        problem = replace(self.problem, weights=adapted_rates(self.credit))
+        self._report(done, done.extent, problem, [], [])
 
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
         before, extent = self.workpiece, self._extent

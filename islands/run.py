@@ -72,6 +72,7 @@ class Job:
             element_size=config.element_size,
             feature_angle=config.feature_angle,
             sizes=parse_size(config.size_field, mesh) if config.size_field else None,
+            slides=config.slide,
         )
         problem = Problem(
             seed=config.seed,
@@ -233,6 +234,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         element_size=setting.element_size,
         size_field=job.config.size_field,
         feature_angle=setting.feature_angle,
+        slides=setting.slides,
         seed=problem.seed,
     )
     tally = Workpiece(mesh, setting).tally

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshops.kernels.edges import find_edges
 from meshops.kernels.pairing import split_quads
 from meshops.kernels.patches import label_components
 from meshops.kernels.soundness import unit_normals
@@ -41,14 +42,15 @@ class Reference:
     feature_angle: float
 
     def around(self, patch: Patch) -> PatchSurface:
-        """Return the surface under a patch; its own where it is plane."""
+        """Return the surface under a patch, its own where it is plane, and the borders there."""
         own = PatchSurface.of(patch.points, patch.elements)
-        if own.plane is not None:
-            return own
-        trias, tria_zones, _, tree, reach = self._trias
         centre = patch.points.mean(axis=0)
-        radius = float(np.linalg.norm(patch.points - centre, axis=1).max())
-        near = np.sort(tree.query_ball_point(centre, (1.0 + MARGIN) * radius + reach))
+        radius = (1.0 + MARGIN) * float(np.linalg.norm(patch.points - centre, axis=1).max())
+        rails = self._rails_around(centre, radius)
+        if own.plane is not None:
+            return replace(own, rails=rails)
+        trias, tria_zones, _, tree, reach = self._trias
+        near = np.sort(tree.query_ball_point(centre, radius + reach))
         rows = near.astype(np.int64)
         zone = self._zone_under(patch, own, rows)
         part = trias[rows[tria_zones[rows] == zone]]
@@ -56,7 +58,21 @@ class Reference:
         points = np.ascontiguousarray(self.mesh.points[nodes])
         elements = np.full((len(part), 4), NO_NODE, np.int32)
         elements[:, :3] = local.reshape(-1, 3)
-        return PatchSurface.of(points, elements)
+        return replace(PatchSurface.of(points, elements), rails=rails)
+
+    def _rails_around(self, centre: Floats, radius: float) -> Floats:
+        """(r, 2, 3): border edges of the mesh that reach into a sphere, and some more."""
+        rails, tree, reach = self._borders
+        near = np.sort(tree.query_ball_point(centre, radius + reach))
+        return rails[near.astype(np.int64)]
+
+    @cached_property
+    def _borders(self) -> tuple[Floats, cKDTree, float]:
+        """Border edges (R, 2, 3), a tree of their middles, half of the longest."""
+        edges, _, _, uses, _ = find_edges(self.mesh.elements, len(self.mesh.points))
+        rails = self.mesh.points[edges[uses == 1]]
+        lengths = np.linalg.norm(rails[:, 1] - rails[:, 0], axis=1)
+        return rails, cKDTree(rails.mean(axis=1)), float(lengths.max(initial=0.0)) / 2.0
 
     def _zone_under(self, patch: Patch, own: PatchSurface, rows: Ids) -> int:
         """Zone of the nearest tria that faces the way of the patch's first element."""

@@ -35,14 +35,15 @@ class Extent:
 
 @dataclass(frozen=True, eq=False)
 class Subdomain:
-    """Connected elements of one zone as a mesh of its own, whose border stays as it is.
+    """Connected elements of one zone as a mesh of its own, whose border stays in its line.
 
     Attributes
     ----------
     patch : Patch
         Where it comes from.
     mesh : ShellMesh
-        Its border nodes come first and are locked; ids are rows of the patch plus 1.
+        Its border nodes come first and are locked, but for those that may slide along a border of
+        the mesh; ids are rows of the patch plus 1.
     outside : (b,) int32
         Elements of the mesh around it that meet at each border node; -1 where any number may.
     """
@@ -52,15 +53,21 @@ class Subdomain:
     outside: Ints
 
     @classmethod
-    def of(cls, topology: Topology, patch: Patch) -> Subdomain:
-        """Make a mesh of a patch that was cut out of a mesh with this topology."""
+    def of(cls, topology: Topology, patch: Patch, *, slides: bool) -> Subdomain:
+        """Make a mesh of a patch that was cut out of a mesh with this topology.
+
+        With `slides` the nodes that may slide along a border of the mesh are not locked, where all
+        elements around them are of the patch.
+        """
+        border = patch.nodes[: patch.border_nodes]
+        outside = topology.valence[border]
+        outside -= valences(patch.elements, len(patch.points))[: patch.border_nodes]
         locked = np.zeros(len(patch.points), bool)
         locked[: patch.border_nodes] = True
+        if slides:
+            locked[: patch.border_nodes] = ~topology.sliding_nodes[border] | (outside > 0)
         region = np.full(len(patch.elements), patch.region)
         mesh = ShellMesh.build(patch.points, patch.elements, region=region, locked_nodes=locked)
-        border = patch.nodes[: patch.border_nodes]
-        around = topology.valence[border]
-        outside = around - valences(patch.elements, len(patch.points))[: patch.border_nodes]
         outside[~topology.inner_nodes[border]] = -1
         return cls(patch, mesh, outside)
 
@@ -150,7 +157,10 @@ def subdomains(
         for rows in np.split(chosen[order], ends)
         if aim == "flow" or failing[rows].any() or np.count_nonzero(is_tria[rows]) > 1
     ]
-    return [Subdomain.of(topology, patch) for patch in extract_each(topology, gaining)]
+    slides = workpiece.setting.slides
+    return [
+        Subdomain.of(topology, patch, slides=slides) for patch in extract_each(topology, gaining)
+    ]
 
 
 def places(workpiece: Workpiece) -> Ints:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import dist
 
@@ -35,6 +35,8 @@ class PatchSurface:
         Sum of the area vectors of the trias. It follows from the border alone.
     plane : (3,) float64 or None
         The unit normal of a patch that is plane.
+    rails : (r, 2, 3) float64
+        The edges along which border nodes may slide.
     """
 
     points: Floats
@@ -42,6 +44,7 @@ class PatchSurface:
     area: float
     area_vector: Floats
     plane: Floats | None
+    rails: Floats = field(default_factory=lambda: np.zeros((0, 2, 3)))
 
     @classmethod
     def of(cls, points: Floats, elements: Ints) -> PatchSurface:

@@ -15,6 +15,9 @@ from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 FEATURE_ANGLE = 30.0
 """Degrees between the normals of two elements from which their edge counts as a feature."""
 
+CORNER_ANGLE = 30.0
+"""Degrees that a border turns by at a node from which that node is a corner."""
+
 
 @dataclass(frozen=True, eq=False)
 class Topology:
@@ -89,6 +92,47 @@ class Topology:
         """(N,) bool: inner nodes that are not locked."""
         free: Bools = self.inner_nodes & ~self.mesh.locked_nodes
         return free
+
+    @cached_property
+    def border_neighbours(self) -> Ints:
+        """(N, 2) int32: the nodes before and after a node along a border; -1 where it is held.
+
+        Held is what does not lie between just two border edges, or is on another barrier too, or is
+        locked, or belongs to a locked element. A border runs as the elements at it do.
+        """
+        mesh = self.mesh
+        is_side = self.element_edges >= 0
+        is_side &= self.is_border[self.element_edges]
+        rows, sides = np.nonzero(is_side)
+        size = np.where(mesh.is_tria, 3, 4)[rows]
+        start, end = mesh.elements[rows, sides], mesh.elements[rows, (sides + 1) % size]
+        # both ends of a fan are barriers: one fan and two border edges, so no others
+        count = len(mesh.points)
+        between = np.bincount(start, minlength=count) + np.bincount(end, minlength=count) == 2
+        between &= (self._fans_of_node == 1) & ~mesh.locked_nodes
+        corners = mesh.elements[mesh.locked_elements]
+        between[corners[corners >= 0]] = False
+        neighbours = np.full((count, 2), -1, np.int32)
+        neighbours[end, 0] = start
+        neighbours[start, 1] = end
+        neighbours[~between] = -1
+        return neighbours
+
+    @cached_property
+    def sliding_nodes(self) -> Bools:
+        """(N,) bool: nodes that may slide along the border that they lie on.
+
+        They are not held, and the border does not turn at them as at a corner.
+        """
+        points, neighbours = self.mesh.points, self.border_neighbours
+        nodes = np.nonzero(neighbours[:, 0] >= 0)[0]
+        one = points[nodes] - points[neighbours[nodes, 0]]
+        two = points[neighbours[nodes, 1]] - points[nodes]
+        size = np.linalg.norm(one, axis=1) * np.linalg.norm(two, axis=1)
+        straight = np.einsum("ij,ij->i", one, two) > np.cos(np.radians(CORNER_ANGLE)) * size
+        sliding = np.zeros(len(points), bool)
+        sliding[nodes[straight]] = True
+        return sliding
 
     @cached_property
     def _fans_of_node(self) -> Ints:

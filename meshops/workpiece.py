@@ -21,7 +21,7 @@ from meshops.kernels.quality import (
 )
 from meshops.kernels.regularity import irregular_change, irregular_nodes
 from meshops.kernels.smoothing import elements_of_nodes
-from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_values, failing_penalties, index_of_penalties
 from meshops.sizing import SizeField
 from meshops.surface import PatchSurface
@@ -44,8 +44,10 @@ class Setting:
     sizes : SizeField or None
         The wanted size by place, where it is not the same everywhere: lengths are judged by it.
     outside : (b,) int32 or None
-        Of a subdomain, whose border nodes come first: how many elements of the mesh around it meet
-        at each of them; -1 where any number may.
+        Of a subdomain, whose border nodes have the ids from 1 to b: how many elements of the mesh
+        around it meet at each of them; -1 where any number may.
+    slides : bool
+        Whether nodes of a subdomain on a border of the mesh may slide along it.
     """
 
     scoring: Scoring
@@ -54,6 +56,7 @@ class Setting:
     feature_angle: float = FEATURE_ANGLE
     sizes: SizeField | None = None
     outside: Ints | None = None
+    slides: bool = False
 
     def at_even_size(self, mesh: ShellMesh) -> ShellMesh:
         """Bring each element to the size that `scoring` judges lengths by, apart from the others.
@@ -119,7 +122,8 @@ class Workpiece:
         """
         outside = np.where(self.topology.inner_nodes, 0, -1).astype(np.int32)
         if self.setting.outside is not None:
-            outside[: len(self.setting.outside)] = self.setting.outside
+            own = (self.mesh.node_ids != NEW) & (self.mesh.node_ids <= len(self.setting.outside))
+            outside[own] = self.setting.outside[self.mesh.node_ids[own] - 1]
         return outside
 
     @cached_property

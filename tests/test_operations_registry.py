@@ -29,15 +29,16 @@ def found_on_a_plate(operation):
             parameters = space.parameters(genome)
             if len(parameters):
                 return parameters
-    columns = 4 if operation.name == "quick-edit" else 2
-    return np.ones((1, columns), np.int32)  # there are no doublets or holes on these plates
+    # there are no doublets or holes on these plates, and no first mesh to slide along
+    columns = {"quick-edit": 4, "slide": 3}.get(operation.name, 2)
+    return np.ones((1, columns), np.int32)
 
 
 def procedure_of(*steps):
     place = Place((1.0, 2.5, 1 / 3), steps)
     box = np.array([(0.0, 0.0, 0.0), (50.0, 40.0, 0.1)])
     rounds = (Round(Extent(3, 60), 4, (place, Place((0.0, 0.0, 0.0), ()))),)
-    return Procedure(rounds, "m", "r", box, PAPER, 5.0, None, None, 30.0, 7)
+    return Procedure(rounds, "m", "r", box, PAPER, 5.0, None, None, 30.0, slides=True, seed=7)
 
 
 def test_names_and_codes_are_unique():

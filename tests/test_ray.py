@@ -74,7 +74,7 @@ def test_an_actor_that_dies_is_asked_again(ray_here, mesh: ShellMesh, works: int
 
 
 def test_the_time_limit_holds_on_ray(ray_here, mesh: ShellMesh) -> None:  # type: ignore[no-untyped-def]
-    work = job(mesh, backend="ray")
+    work = job(mesh, backend="ray", slide=False)
     executor = start_executor(work, -1.0)
     executor.open([Work(work.problem, mesh)])
     with pytest.raises(TimeUpError):

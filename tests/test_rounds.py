@@ -39,7 +39,7 @@ def mesh() -> ShellMesh:
 @pytest.fixture(scope="module")
 def finished(mesh: ShellMesh) -> tuple[Finished, Events]:
     events: Events = []
-    return finish(job(mesh), events), events
+    return finish(job(mesh, slide=False), events), events
 
 
 def replayed(mesh: ShellMesh, done: Finished) -> ShellMesh:
@@ -94,7 +94,7 @@ def test_the_plate_of_the_paper_is_solved() -> None:
     ids=["locks", "cylinder", "rib"],
 )  # fmt: skip
 def test_a_part_gets_better_and_all_that_is_to_stay_stays(part: ShellMesh) -> None:
-    done = finish(job(part, rounds=6))
+    done = finish(job(part, rounds=6, slide=False))
     assert faults(done.mesh) < faults(part)
     assert set(done.mesh.element_ids[~np.isin(done.mesh.element_ids, part.element_ids)]) <= {0}
     assert_nothing_locked_has_changed(part, done.mesh)
@@ -127,7 +127,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
     """And what was tried in vain after the last gain is no part of the procedure."""
     mesh = with_a_fault_for_ever(bad_plate())
     events: Events = []
-    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60]), events)
+    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60], slide=False), events)
     assert "brought no gain" in events[-1].reason  # type: ignore[union-attr]
     assert (1, 0) <= faults(done.mesh) < faults(mesh)
     rounds = [e for e in events if isinstance(e, RoundReport)]
@@ -140,7 +140,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
 
 def test_the_rounds_of_a_run_can_be_limited(mesh: ShellMesh) -> None:
     events: Events = []
-    done = finish(job(mesh, rounds=1), events)
+    done = finish(job(mesh, rounds=1, slide=False), events)
     assert len(done.procedure.rounds) == 1
     assert finish(job(mesh, rounds=0)).mesh.digest == mesh.digest
 
@@ -159,7 +159,7 @@ def test_the_same_seed_makes_the_same_mesh_in_any_batches(
     mesh: ShellMesh, finished: tuple[Finished, Events], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("islands.rounds.BATCH", 2)
-    again = finish(job(mesh))
+    again = finish(job(mesh, slide=False))
     assert again.mesh.digest == finished[0].mesh.digest
     assert again.text == finished[0].text
 
@@ -167,7 +167,7 @@ def test_the_same_seed_makes_the_same_mesh_in_any_batches(
 def test_another_seed_searches_otherwise(
     mesh: ShellMesh, finished: tuple[Finished, Events]
 ) -> None:
-    assert finish(job(mesh, seed=2)).mesh.digest != finished[0].mesh.digest
+    assert finish(job(mesh, seed=2, slide=False)).mesh.digest != finished[0].mesh.digest
 
 
 # --- how it ends --------------------------------------------------------------------------------
@@ -199,7 +199,7 @@ class EndingExecutor(LocalExecutor):
 def test_an_end_before_the_end_keeps_what_was_done(
     mesh: ShellMesh, error: type[BaseException], status: str, generations: int
 ) -> None:
-    done = finish(job(mesh), executor=EndingExecutor(error, generations))
+    done = finish(job(mesh, slide=False), executor=EndingExecutor(error, generations))
     assert done.status == status
     assert faults(done.mesh) < faults(mesh)
     assert replayed(mesh, done).digest == done.mesh.digest
@@ -216,7 +216,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
         if isinstance(event, RoundReport) and event.turn == rounds[number].turn:
             raise KeyboardInterrupt
 
-    work = job(mesh)
+    work = job(mesh, slide=False)
     executor = LocalExecutor(work.config.breeding, work.config.genes)
     try:
         done = run(work, executor, record, 0.0)
@@ -229,7 +229,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
 
 
 def test_without_any_time_the_mesh_stays_as_it_is(mesh: ShellMesh) -> None:
-    work = job(mesh, time_limit=60.0)
+    work = job(mesh, time_limit=60.0, slide=False)
     executor = LocalExecutor(work.config.breeding, work.config.genes, deadline=-1.0)
     done = finish(work, executor=executor)
     assert done.status == "time-limit"
@@ -261,7 +261,9 @@ def test_the_rates_that_are_told_are_those_that_were_adapted(
     finished: tuple[Finished, Events],
 ) -> None:
     rates = [e.rates for e in finished[1] if isinstance(e, RoundReport)]
-    names = {operation.name for operation in job(bad_plate()).problem.operations} | {"nothing"}
+    names = {operation.name for operation in job(bad_plate(), slide=False).problem.operations} | {
+        "nothing"
+    }
     for each in rates:
         assert set(each) == names
         assert sum(each.values()) == pytest.approx(1.0, abs=1e-2)

@@ -29,7 +29,7 @@ from meshops.kernels.vectors import (
 )
 from meshops.mesh import Bools, Floats, Ints
 
-LEAST_CORNER = 0.05
+LEAST_CORNER = 0.04
 """`corner_jacobian_min` from which a new element counts as sound. One that was worse before may
 stay so where only its nodes move, but may not get worse still."""
 

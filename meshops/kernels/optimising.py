@@ -57,7 +57,8 @@ DIRECTIONS = np.array(
 
 
 @inlined
-def _put(points: Floats, node: int, place: Vector) -> None:
+def put(points: Floats, node: int, place: Vector) -> None:
+    """Place a node."""
     points[node, 0], points[node, 1], points[node, 2] = place
 
 
@@ -110,11 +111,11 @@ def _search(
             break
         else:
             trial = add(place, subtract(place, old))
-        _put(points, node, trial)
+        put(points, node, trial)
         score = score_trial(net, node, method, best, state, scoring)
         if is_better(score, best, method):
             best, place = score, trial
-    _put(points, node, place)
+    put(points, node, place)
     return place != old
 
 
@@ -127,16 +128,16 @@ def _relax(net: Net, node: int, now: Score, state: State, scoring: Scoring) -> b
     for _ in range(LAPLACE_TRIALS):
         if length(step) < LEAST_STEP * edge:
             break
-        _put(points, node, add(old, step))
+        put(points, node, add(old, step))
         if is_better(score_trial(net, node, LAPLACE, now, state, scoring), now, LAPLACE):
             return True
         step = scale(step, 0.5)
-    _put(points, node, old)
+    put(points, node, old)
     return False
 
 
 @compiled
-def _lies_on(net: Net, node: int, ground: Ground, state: State) -> bool:
+def lies_on(net: Net, node: int, ground: Ground, state: State) -> bool:
     """Whether the elements around a node lie on a curved surface; if so, notes where."""
     points, elements, start, around = net
     _, _, surface, least, _ = state
@@ -157,7 +158,7 @@ def _lies_on(net: Net, node: int, ground: Ground, state: State) -> bool:
 
 
 @compiled
-def _move(
+def move(
     net: Net,
     node: int,
     method: int,
@@ -174,14 +175,14 @@ def _move(
     else:
         found = now[2] > 0.0 and _search(net, node, method, reach, now, state, scoring)
     if found and len(ground[1]) > 0:
-        _put(points, node, foot(ground, row(points, node))[0])
+        put(points, node, foot(ground, row(points, node))[0])
     if not found or not is_better(score_trial(net, node, method, now, state, scoring), now, method):
         return False
-    return len(ground[1]) == 0 or _lies_on(net, node, ground, state)
+    return len(ground[1]) == 0 or lies_on(net, node, ground, state)
 
 
 @inlined
-def _keep(net: Net, node: int, ground: Ground, state: State, step: Floats) -> None:
+def keep(net: Net, node: int, ground: Ground, state: State, step: Floats) -> None:
     """Note what the elements around a node are like now, and wake the nodes around it."""
     points, elements, start, around = net
     quality, trial, surface, least, _ = state
@@ -196,7 +197,7 @@ def _keep(net: Net, node: int, ground: Ground, state: State, step: Floats) -> No
 
 
 @compiled
-def _appraise(net: Net, plane: Vector, ground: Ground, scoring: Scoring) -> State:
+def appraise(net: Net, plane: Vector, ground: Ground, scoring: Scoring) -> State:
     """State of all elements before any node moves."""
     points, elements, _, _ = net
     m = len(elements)
@@ -249,7 +250,7 @@ def optimise(
     """
     start, around = elements_of_nodes(elements, len(points))
     net = (points, elements, start, around)
-    state = _appraise(net, (plane[0], plane[1], plane[2]), ground, scoring)
+    state = appraise(net, (plane[0], plane[1], plane[2]), ground, scoring)
     step = np.full(len(points), -1.0)
     step[nodes] = FIRST_STEP
     worst = np.empty(len(nodes))
@@ -263,9 +264,9 @@ def optimise(
                 continue
             visits += 1
             old = row(points, node)
-            if _move(net, node, method, step[node], ground, state, scoring):
-                _keep(net, node, ground, state, step)
+            if move(net, node, method, step[node], ground, state, scoring):
+                keep(net, node, ground, state, step)
             else:
-                _put(points, node, old)
+                put(points, node, old)
                 step[node] *= 0.0 if method == LAPLACE else 0.5
     return visits

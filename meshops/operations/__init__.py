@@ -21,6 +21,7 @@ from meshops.operations.remesh_ranges import RemeshRanges
 from meshops.operations.remove_doublet import RemoveDoublet
 from meshops.operations.replace_chain import ReplaceChain
 from meshops.operations.replace_node import ReplaceNode, ReplaceNodePairs
+from meshops.operations.slide import Slide
 from meshops.operations.smooth import Smooth
 from meshops.operations.split_quad import SplitQuad
 from meshops.operations.swap_edge import SwapEdge
@@ -42,6 +43,7 @@ OPERATIONS: tuple[Operation, ...] = (
     RemoveDoublet(),
     CollapseChord(),
     Smooth(),
+    Slide(),
     ReplaceChain(),
     CreateNodes(pool=30),
     EditElement(pool=30),

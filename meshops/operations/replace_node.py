@@ -10,7 +10,7 @@ from meshops.edit import Edit
 from meshops.kernels.merging import evaluate_merges, rewire
 from meshops.kernels.patches import FAR
 from meshops.kernels.quality import ELEMENTS, compound_indices
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.topology import Topology, element_normals
 from meshops.workpiece import Workpiece
 
@@ -209,6 +209,8 @@ def least_harmful(workpiece: Workpiece, pairs: Ints, on_border: Bools, most: int
 def ranked_pairs(workpiece: Workpiece) -> tuple[Ints, Bools]:
     """All pairs that may be merged, those nearest to a bad element first, and their borders."""
     pairs, on_border = mergeable_pairs(workpiece.topology)
+    if workpiece.setting.slides:  # then border nodes are not locked that may move, but must stay
+        pairs, on_border = pairs[~on_border], on_border[~on_border]
     mesh = workpiece.mesh
     distance = np.full(len(mesh.points) + 1, FAR, np.int32)
     np.minimum.at(distance, mesh.elements, workpiece.rings[:, None])
@@ -246,24 +248,11 @@ def mergeable_pairs(topology: Topology) -> tuple[Ints, Bools]:
 
 
 def straight_border_nodes(topology: Topology) -> Bools:
-    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier.
-
-    Both ends of a fan are barriers, so a node with one fan and two border edges has no others.
-    """
-    mesh = topology.mesh
-    locked = mesh.locked_nodes.copy()
-    corners = mesh.elements[mesh.locked_elements]
-    locked[corners[corners != NO_NODE]] = True
-    edges = topology.edges[topology.is_border]
-    ends = np.concatenate([edges[:, 0], edges[:, 1]])
-    others = np.concatenate([edges[:, 1], edges[:, 0]])
-    borders = np.bincount(ends, minlength=len(mesh.points))
-    fans = np.bincount(topology.fans[1], minlength=len(mesh.points))
-    nodes = np.nonzero((borders == 2) & (fans == 1) & ~locked)[0]
-    order = np.argsort(ends, kind="stable")
-    first = np.searchsorted(ends[order], nodes)
-    one = mesh.points[others[order[first]]] - mesh.points[nodes]
-    two = mesh.points[others[order[first + 1]]] - mesh.points[nodes]
+    """(N,) bool: unlocked nodes between two border edges in one line, on no other barrier."""
+    mesh, neighbours = topology.mesh, topology.border_neighbours
+    nodes = np.nonzero(neighbours[:, 0] >= 0)[0]
+    one = mesh.points[neighbours[nodes, 0]] - mesh.points[nodes]
+    two = mesh.points[neighbours[nodes, 1]] - mesh.points[nodes]
     size = np.linalg.norm(one, axis=1) * np.linalg.norm(two, axis=1)
     in_line = (np.linalg.norm(np.cross(one, two), axis=1) <= STRAIGHT * size) & (
         np.einsum("ij,ij->i", one, two) < 0

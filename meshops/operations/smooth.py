@@ -36,10 +36,8 @@ class Smooth:
 
     def search_space(self, workpiece: Workpiece, rng: np.random.Generator) -> SmoothSpace | None:
         """Genomes are places; the random generator is not needed."""
-        free = workpiece.topology.free_nodes
-        if not (free.any() and len(workpiece.bad_elements)):
-            return None
-        return SmoothSpace(workpiece)
+        space = SmoothSpace(workpiece)
+        return space if space.movable.any() and len(workpiece.bad_elements) else None
 
     def apply(self, workpiece: Workpiece, parameters: Ints) -> Edit:
         """Smooth places (K, 3) one after the other; ranks that the mesh does not have are skipped.
@@ -73,7 +71,7 @@ class SmoothSpace:
         self._tallies: dict[bytes, Floats] = {}
         surface = workpiece.surface
         curved = surface.plane is None
-        self._plane: Floats = np.zeros(3) if surface.plane is None else surface.plane
+        self.plane: Floats = np.zeros(3) if surface.plane is None else surface.plane
         self._trias = surface.trias if curved else NO_TRIAS
         self._spheres = surface.spheres if curved else np.zeros((0, 4))
 
@@ -123,11 +121,7 @@ class SmoothSpace:
         local = np.searchsorted(rows, elements).astype(np.int32)
         local[elements == NO_NODE] = NO_NODE
         patch = points[rows]
-        free = np.nonzero(nodes[rows])[0].astype(np.int32)
-        optimise(
-            patch, local, free, int(place[2]), self._plane, self._ground(patch, local),
-            self.workpiece.setting.scoring.arrays,
-        )  # fmt: skip
+        self.move(patch, local, rows, nodes[rows], place)
         points[rows] = patch
         moved = np.nonzero((points != mesh.points).any(axis=1))[0].astype(np.int32)
         return Edit(moved=moved, moved_to=points[moved])
@@ -148,9 +142,32 @@ class SmoothSpace:
         )
         corners = self.workpiece.mesh.elements[inside]
         nodes[corners[corners != NO_NODE]] = True
-        return nodes & topology.free_nodes
+        return nodes & self.movable
 
-    def _ground(self, points: Floats, elements: Ints) -> tuple[Floats, Ints, Floats, float, float]:
+    @property
+    def movable(self) -> Bools:
+        """(N,) bool: nodes that may move."""
+        return self.workpiece.topology.free_nodes
+
+    def move(self, points: Floats, elements: Ints, rows: Ints, moves: Bools, place: Ints) -> None:
+        """Move nodes of a place, in place.
+
+        Parameters
+        ----------
+        points, elements
+            Of the place.
+        rows : (n,) int32
+            The mesh row of each of its nodes.
+        moves : (n,) bool
+            Which of them move.
+        place : (3,) int32
+        """
+        optimise(
+            points, elements, np.nonzero(moves)[0].astype(np.int32), int(place[2]), self.plane,
+            self.ground(points, elements), self.workpiece.setting.scoring.arrays,
+        )  # fmt: skip
+
+    def ground(self, points: Floats, elements: Ints) -> tuple[Floats, Ints, Floats, float, float]:
         """Return the part of the surface that nodes of a place can reach, and its tolerance."""
         edge = _mean_edge(points, elements)
         low, high = points.min(axis=0) - edge, points.max(axis=0) + edge
