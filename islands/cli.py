@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
+FLOW_OF_NEW_MESHES = 6
+"""Rounds for a better flow of what `mesh` makes: there is no mesh yet that is to be kept."""
+
 _PATH = click.Path(path_type=Path)
 _CRITERIA = click.option(
     "--criteria",
@@ -192,6 +195,7 @@ def mesh(part: Path, out: Path, **options: Any) -> None:
     _positive(given.get("size"))
     shells = mesh_geometry(part, given.get("size"))
     given.setdefault("size", default_size(shells.points))
+    given.setdefault("flow", FLOW_OF_NEW_MESHES)
     config = load_config(None, given)
     job = Job.of(part.name, shells, load_criteria(config.criteria), config)
     done = improve(job)

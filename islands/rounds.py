@@ -12,13 +12,12 @@ from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
 from islands.procedure import Place, Round, Step, perform, perform_steps, subdomain_setting
+from islands.rates import adapted_rates, credits_of, flow_rates, named_rates
 from islands.reporter import Reporter
 from islands.sliding import slid
 from meshops.edit import apply
 from meshops.kernels.quality import FAILED, TRIAS
-from meshops.mesh import Floats, ShellMesh
-from meshops.operations import NOTHING
-from meshops.operations.anneal import Anneal
+from meshops.mesh import ShellMesh
 from meshops.operations.smooth import METHODS, Smooth
 from meshops.patch import join
 from meshops.reference import Reference
@@ -29,9 +28,6 @@ from tracking.events import Event, RoundReport
 BATCH = 64
 """Subdomains that are evolved at the same time, which bounds the memory."""
 
-LEAST_RATE = 0.3
-"""Of an even share: what an operation that never paid off is still drawn with."""
-
 FADING = 0.7
 """Of an operation's credit that lasts to the next round."""
 
@@ -41,9 +37,6 @@ WORTHWHILE = 0.02
 FLOW = Extent(rings=20, elements=800)
 """Of the subdomains in which irregular nodes are to vanish: these come in pairs that are far apart,
 and are worth looking for in each other's reach."""
-
-FLOW_RATES = {Anneal().code: 0.8, Smooth().code: 0.1}
-"""How often operations are drawn there; the rest is nothing."""
 
 FLOW_PATIENCE = 12
 """Rounds for a better flow that bring nothing, after which there are no more."""
@@ -303,7 +296,7 @@ class _Search:
                 trias=int(tally[TRIAS]),
                 evaluations=self.evaluations,
                 seconds=time.monotonic() - self.started,
-                rates=_named_rates(problem),
+                rates=named_rates(problem),
             )
         )
 
@@ -331,39 +324,6 @@ def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain)
         subdomain.mesh,
         subdomain.least_trias,
     )
-
-
-def adapted_rates(credit: Floats) -> Floats:
-    """(C,) how often each operation is drawn: more often what has paid off."""
-    even = np.full(len(credit), 1.0 / len(credit))
-    if not credit.any():
-        return even
-    rates: Floats = LEAST_RATE * even + (1.0 - LEAST_RATE) * credit / credit.sum()
-    normalised: Floats = rates / rates.sum()
-    return normalised
-
-
-def flow_rates(problem: Problem) -> Floats:
-    """(C,) how often each operation is drawn where irregular nodes are to vanish."""
-    rates = np.array([FLOW_RATES.get(code, 0.0) for code in problem.codes])
-    rates[problem.codes.index(NOTHING)] = max(0.0, 1.0 - rates.sum())
-    normalised: Floats = rates / rates.sum()
-    return normalised
-
-
-def credits_of(done: Round, problem: Problem) -> Floats:
-    """(C,) how many steps of the fittest procedures of a round were of each operation."""
-    codes = [step.code for place in done.places for step in place.steps if len(step.parameters)]
-    return np.array([codes.count(code) for code in problem.codes], np.float64)
-
-
-def _named_rates(problem: Problem) -> dict[str, float]:
-    names = {operation.code: operation.name for operation in problem.operations}
-    rates = problem.weights if problem.weights is not None else np.zeros(0)
-    return {
-        names.get(code, "nothing"): round(float(rate), 4)
-        for code, rate in zip(problem.codes, rates, strict=True)
-    }
 
 
 def _stitched(

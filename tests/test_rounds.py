@@ -10,7 +10,7 @@ from islands.archipelago import TimeUpError
 from islands.executors.local import LocalExecutor
 from islands.island import IslandState, Migrants
 from islands.procedure import Place, Procedure, Round, Step, perform
-from islands.rounds import adapted_rates, credits_of
+from islands.rates import adapted_rates, credits_of
 from islands.run import Finished, run
 from meshops.examples import plate
 from meshops.mesh import ShellMesh

@@ -1,0 +1,52 @@
+"""Rates: how often each operation is drawn as a gene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from islands.integration_ga import Problem
+from islands.procedure import Round
+from meshops.mesh import Floats
+from meshops.operations import NOTHING
+from meshops.operations.anneal import Anneal
+from meshops.operations.smooth import Smooth
+
+LEAST_RATE = 0.3
+"""Of an even share: what an operation that never paid off is still drawn with."""
+
+FLOW_RATES = {Anneal().code: 0.8, Smooth().code: 0.1}
+"""How often operations are drawn in rounds for a better flow; the rest is nothing."""
+
+
+def adapted_rates(credit: Floats) -> Floats:
+    """(C,) how often each operation is drawn: more often what has paid off."""
+    even = np.full(len(credit), 1.0 / len(credit))
+    if not credit.any():
+        return even
+    rates: Floats = LEAST_RATE * even + (1.0 - LEAST_RATE) * credit / credit.sum()
+    normalised: Floats = rates / rates.sum()
+    return normalised
+
+
+def flow_rates(problem: Problem) -> Floats:
+    """(C,) how often each operation is drawn where irregular nodes are to vanish."""
+    rates = np.array([FLOW_RATES.get(code, 0.0) for code in problem.codes])
+    rates[problem.codes.index(NOTHING)] = max(0.0, 1.0 - rates.sum())
+    normalised: Floats = rates / rates.sum()
+    return normalised
+
+
+def credits_of(done: Round, problem: Problem) -> Floats:
+    """(C,) how many steps of the fittest procedures of a round were of each operation."""
+    codes = [step.code for place in done.places for step in place.steps if len(step.parameters)]
+    return np.array([codes.count(code) for code in problem.codes], np.float64)
+
+
+def named_rates(problem: Problem) -> dict[str, float]:
+    """Rates by the names of the operations, for reports."""
+    names = {operation.code: operation.name for operation in problem.operations}
+    rates = problem.weights if problem.weights is not None else np.zeros(0)
+    return {
+        names.get(code, "nothing"): round(float(rate), 4)
+        for code, rate in zip(problem.codes, rates, strict=True)
+    }
