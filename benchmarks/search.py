@@ -19,6 +19,7 @@ from benchmarks.competitors import OTHERS, Budget, Curve, Reading, islands
 from benchmarks.improving import job_of, processes
 from benchmarks.parts import PARTS
 from benchmarks.peers import Configuration, gmsh_mesh
+from benchmarks.planar import FLOW
 from benchmarks.report import Row
 from islands.run import Job
 from meshops.examples import SIZE, plate
@@ -63,8 +64,8 @@ def search(seeds: int, workers: int, picture: Path | None) -> tuple[list[Row], d
     """Let all competitors search with so many seeds on the plate and on a part."""
     part = PARTS[0]
     jobs = (
-        job_of("plate", plate(), size=SIZE),
-        job_of(part.name, gmsh_mesh(part, START), size=part.size),
+        job_of("plate", plate(), size=SIZE, flow=FLOW),
+        job_of(part.name, gmsh_mesh(part, START), size=part.size, flow=FLOW),
     )
     contests: dict[str, list[Contest]] = {}
     with processes(workers) as pool:

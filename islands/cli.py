@@ -289,7 +289,8 @@ def _closing_words(done: Finished) -> str:
     return (
         f"{before.failed} failed elements -> {after.failed}, "
         f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
-        f"{after.compound_qi:.2f}; {done.seconds:.1f} s."
+        f"{after.compound_qi:.2f}, {done.irregular_before} irregular nodes -> "
+        f"{done.irregular_after}; {done.seconds:.1f} s."
     )
 
 

@@ -74,6 +74,7 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
         "evaluations": done.evaluations,
         "before": asdict(summary(done.before)),
         "after": asdict(summary(done.after)),
+        "irregular_nodes": {"before": done.irregular_before, "after": done.irregular_after},
         "fitness": done.fitness,
         "procedure": done.text,
         "digest": done.mesh.digest,

@@ -22,6 +22,7 @@ from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
+from meshops.kernels.quality import IRREGULAR
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
@@ -107,6 +108,8 @@ class Finished:
     seconds : float
     status : "finished", "time-limit" or "interrupted"
     before, after : QualityIndex
+    irregular_before, irregular_after : int
+        Inner nodes at which not just four elements meet.
     """
 
     mesh: ShellMesh
@@ -118,6 +121,8 @@ class Finished:
     status: Status
     before: QualityIndex
     after: QualityIndex
+    irregular_before: int
+    irregular_after: int
 
 
 _REASONS = {
@@ -248,4 +253,6 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         status=evolution.status,
         before=before,
         after=job.quality(mesh),
+        irregular_before=int(np.count_nonzero(Workpiece(job.mesh, setting).irregular)),
+        irregular_after=int(tally[IRREGULAR]),
     )
