@@ -41,6 +41,9 @@ and are worth looking for in each other's reach."""
 FLOW_PATIENCE = 12
 """Rounds for a better flow that bring nothing, after which there are no more."""
 
+DENSE, DENSE_LEVEL = 0.1, 2
+"""Share of bad places among the elements from which the first extent is this one."""
+
 POLISH = Step(Smooth().code, np.array([[1, 40, METHODS.index("even")]], np.int32))
 """Smoothing of all nodes around the worst element, far enough for a subdomain of usual size."""
 
@@ -126,11 +129,16 @@ class _Search:
         self.credit = np.zeros(len(problem.codes))
         self.evaluations = 0
         self.batches = 0
-        self.level = 0
+        self.level = self._first_level()
         self.cycle = 0
         self.aim: Aim = "faults"
         self.flows_left = plan.flow
         self.flows_in_vain = 0
+
+    def _first_level(self) -> int:
+        """Larger subdomains at once where places are dense, and small ones would be in the way."""
+        share = len(places(self.workpiece)) / max(len(self.workpiece.mesh.elements), 1)
+        return min(DENSE_LEVEL, len(self.plan.extents) - 1) if share > DENSE else 0
 
     def run(self) -> Evolution:
         """Go on from round to round until there is a reason to stop."""
@@ -180,7 +188,7 @@ class _Search:
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
         before, extent = self.workpiece, self._extent
         if self.aim == "faults":
-            problem = moving_on(self.problem, self.cycle)
+            problem = moving_on(self.problem, self.cycle, before.tally)
             problem = replace(problem, weights=adapted_rates(self.credit), turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
@@ -301,16 +309,17 @@ class _Search:
         )
 
 
-def moving_on(problem: Problem, cycle: int) -> Problem:
+def moving_on(problem: Problem, cycle: int, tally: Floats) -> Problem:
     """Return the problem as a search takes it up that stood still `cycle` times.
 
-    It gives failed elements and trias the first place in turn, and drifts among equal meshes.
+    Trias come before failed elements while there are more of them, since what fails is the easier
+    to mend. A search that stands still gives them the first place in turn, and drifts among equal
+    meshes.
     """
-    if not cycle:
-        return problem
     setting = problem.setting
-    fitness = replace(setting.fitness, kind="quads" if cycle % 2 else "quality")
-    return replace(problem, setting=replace(setting, fitness=fitness), drifts=True)
+    trias_first = cycle % 2 == 1 if cycle else bool(tally[TRIAS] > tally[FAILED])
+    fitness = replace(setting.fitness, kind="quads" if trias_first else "quality")
+    return replace(problem, setting=replace(setting, fitness=fitness), drifts=cycle > 0)
 
 
 def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain) -> Work:
