@@ -29,8 +29,8 @@ from meshops.topology import topology
 TO_SOLVE, TO_LEAD = 30.0, 60.0
 """Seconds within which a start must be solved, and be ahead of every configuration of gmsh."""
 
-FLOW = 1000
-"""Rounds for a better flow: more than there is time for."""
+FLOW, PATIENCE = 1000, 1000
+"""Rounds for a better flow, and cycles without a gain: more than there is time for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ def _trial(start: Start) -> Trial:
     assert start.mesh is not None
     part = start.part
     name = f"{part.name}, {start.configuration}"
-    job = job_of(name, start.mesh, size=part.size, flow=FLOW)
+    job = job_of(name, start.mesh, size=part.size, flow=FLOW, patience=PATIENCE)
     found = improved(job, TO_LEAD)
     before, after = found.done.before, found.done.after
     return Trial(

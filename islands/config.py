@@ -80,7 +80,7 @@ class Config(BaseModel):
     rings: tuple[int, ...] = Field((3, 4, 6, 9, 40, 400), min_length=1)
     largest: tuple[int, ...] = Field((60, 100, 160, 300, 2000, 20000), min_length=1)
     rounds: int = Field(80, ge=0)
-    patience: int = Field(10, ge=1)
+    patience: int = Field(6, ge=1)
     flow: int = Field(0, ge=0)
     migrate_every: int = Field(1, ge=1)
     migrants: int = Field(1, ge=0)

@@ -17,7 +17,7 @@ from islands.reporter import Reporter
 from islands.sliding import slid
 from meshops.edit import apply
 from meshops.kernels.quality import FAILED, TRIAS
-from meshops.mesh import ShellMesh
+from meshops.mesh import Floats, ShellMesh
 from meshops.operations.smooth import METHODS, Smooth
 from meshops.patch import join
 from meshops.reference import Reference
