@@ -11,8 +11,10 @@ from islands.executors.local import LocalExecutor
 from islands.island import IslandState, Migrants
 from islands.procedure import Place, Procedure, Round, Step, perform
 from islands.rates import adapted_rates, credits_of
+from islands.rounds import moving_on
 from islands.run import Finished, run
 from meshops.examples import plate
+from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.subdomain import Extent
@@ -296,6 +298,34 @@ def test_credit_is_for_steps_that_did_something(mesh: ShellMesh) -> None:
     )
     credit = credits_of(Round(Extent(2, 9), 0, places), problem_of(mesh))
     assert credit.tolist() == [2, 1, 0]
+
+
+# --- which fault comes first --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("cycle", "failed", "trias", "kind"),
+    [(0, 3, 2, "quality"), (0, 2, 3, "quads"), (1, 3, 2, "quads"), (2, 2, 3, "quality")],
+)
+def test_the_more_numerous_fault_comes_first_and_then_both_in_turn(
+    cycle: int, failed: int, trias: int, kind: str
+) -> None:
+    tally = np.zeros(TALLY_SIZE)
+    tally[[FAILED, TRIAS]] = failed, trias
+    problem = moving_on(problem_of(plate()), cycle, tally)
+    assert problem.fitness.kind == kind
+    assert problem.drifts == (cycle > 0)
+
+
+def test_dense_faults_get_larger_subdomains_at_once() -> None:
+    def first_rings(part: ShellMesh) -> int:
+        events: Events = []
+        finish(job(part, rounds=1, slide=False), events)
+        return next(event.rings for event in events if isinstance(event, RoundReport))
+
+    rings = job(plate()).config.rings
+    assert first_rings(tall(sheet(12, 12, seed=5, trias=0.5))) == rings[2]
+    assert first_rings(tall(sheet(12, 12, seed=5, trias=0.03))) == rings[0]
 
 
 # --- a better flow ------------------------------------------------------------------------------
