@@ -325,7 +325,7 @@ def test_dense_faults_get_larger_subdomains_at_once() -> None:
 
     rings = job(plate()).config.rings
     assert first_rings(tall(sheet(12, 12, seed=5, trias=0.5))) == rings[2]
-    assert first_rings(tall(sheet(12, 12, seed=5, trias=0.03))) == rings[0]
+    assert first_rings(plate()) == rings[0]
 
 
 # --- a better flow ------------------------------------------------------------------------------
