@@ -188,7 +188,10 @@ class _Search:
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
         before, extent = self.workpiece, self._extent
         if self.aim == "faults":
-            problem = moving_on(self.problem, self.cycle, before.tally)
+            # the first round takes what can be had without any harm: soon there is a better mesh
+            problem = self.problem
+            if self.batches:
+                problem = moving_on(problem, self.cycle, before.tally)
             problem = replace(problem, weights=adapted_rates(self.credit), turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
@@ -312,12 +315,12 @@ class _Search:
 def moving_on(problem: Problem, cycle: int, tally: Floats) -> Problem:
     """Return the problem as a search takes it up that stood still `cycle` times.
 
-    Trias come before failed elements while there are more of them, since what fails is the easier
-    to mend. A search that stands still gives them the first place in turn, and drifts among equal
-    meshes.
+    Trias come first where no element fails: what fails for their sake is the easier to mend, and
+    comes first again in the next round, so that a run that is cut short has not lost by it. A
+    search that stands still gives both the first place in turn, and drifts among equal meshes.
     """
     setting = problem.setting
-    trias_first = cycle % 2 == 1 if cycle else bool(tally[TRIAS] > tally[FAILED])
+    trias_first = cycle % 2 == 1 if cycle else tally[FAILED] == 0
     fitness = replace(setting.fitness, kind="quads" if trias_first else "quality")
     return replace(problem, setting=replace(setting, fitness=fitness), drifts=cycle > 0)
 
