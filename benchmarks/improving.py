@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -65,8 +66,10 @@ def job_of(
     return Job.of(name, mesh, load_criteria(config.criteria), config)
 
 
-def improved(job: Job, seconds: float) -> Improvement:
-    """Improve a mesh within so many seconds, in this process."""
+def improved(
+    job: Job, seconds: float, is_enough: Callable[[ShellMesh], bool] = lambda _: False
+) -> Improvement:
+    """Improve a mesh within so many seconds, or until it `is_enough`, in this process."""
     rounds: list[RoundReport] = []
 
     def record(event: Event) -> None:
@@ -75,7 +78,7 @@ def improved(job: Job, seconds: float) -> Improvement:
 
     limit = max(seconds - MARGIN, MARGIN)
     config = job.config.model_copy(update={"time_limit": limit})
-    done = improve(replace(job, config=config), record=record)
+    done = improve(replace(job, config=config), record=record, is_enough=is_enough)
     return Improvement(done, tuple(rounds), parity_bound(done.mesh))
 
 

@@ -82,6 +82,7 @@ class Config(BaseModel):
     rounds: int = Field(80, ge=0)
     patience: int = Field(6, ge=1)
     flow: int = Field(0, ge=0)
+    tidy: int = Field(2, ge=0)
     migrate_every: int = Field(1, ge=1)
     migrants: int = Field(1, ge=0)
     seed: int = Field(1, ge=0)
@@ -118,7 +119,7 @@ class Config(BaseModel):
     def plan(self) -> Plan:
         """Which subdomains are cut out in which round."""
         extents = tuple(map(Extent, self.rings, self.largest))
-        return Plan(extents, self.rounds, self.patience, self.flow)
+        return Plan(extents, self.rounds, self.patience, self.flow, self.tidy)
 
     @property
     def operation_code(self) -> int:

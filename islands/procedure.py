@@ -68,7 +68,7 @@ class Round:
         Which round of its run it was.
     places : tuple of Place
         In the order of the subdomains.
-    aim : "faults" or "flow"
+    aim : "faults", "flow" or "tidy"
         What the subdomains were cut out for.
     """
 
@@ -212,7 +212,7 @@ class Procedure:
                 element_size=None if size is None else float(size),
                 size_field=document["size_field"],
                 feature_angle=float(document["feature_angle"]),
-                slides=bool(document.get("slides", False)),  # what older files do not have
+                slides=bool(document["slides"]),
                 seed=int(document["seed"]),
             )
         except (ValueError, KeyError, TypeError) as error:

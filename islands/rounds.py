@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,15 +11,13 @@ import numpy as np
 from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
-from islands.procedure import Place, Round, Step, perform, perform_steps, subdomain_setting
+from islands.procedure import Round, perform
 from islands.rates import adapted_rates, credits_of, flow_rates, named_rates
 from islands.reporter import Reporter
 from islands.sliding import slid
-from meshops.edit import apply
-from meshops.kernels.quality import FAILED, TRIAS
+from islands.stitching import stitched, subdomain_work
+from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS
 from meshops.mesh import Floats, ShellMesh
-from meshops.operations.smooth import METHODS, Smooth
-from meshops.patch import join
 from meshops.reference import Reference
 from meshops.subdomain import Aim, Extent, Subdomain, places, subdomains
 from meshops.workpiece import Workpiece
@@ -38,14 +36,14 @@ FLOW = Extent(rings=20, elements=800)
 """Of the subdomains in which irregular nodes are to vanish: these come in pairs that are far apart,
 and are worth looking for in each other's reach."""
 
-FLOW_PATIENCE = 12
-"""Rounds for a better flow that bring nothing, after which there are no more."""
+TIDY = Extent(rings=8, elements=200)
+"""Of those in which the irregular nodes that a repair brought are to vanish: its neighbourhood."""
+
+FLOW_PATIENCE = 2
+"""Rounds for a better flow in vain, over the plan's patience, after which there are no more."""
 
 DENSE, DENSE_LEVEL = 0.1, 2
 """Share of bad places among the elements from which the first extent is this one."""
-
-POLISH = Step(Smooth().code, np.array([[1, 40, METHODS.index("even")]], np.int32))
-"""Smoothing of all nodes around the worst element, far enough for a subdomain of usual size."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +61,15 @@ class Plan:
     flow : int
         The most rounds for a better flow: one after each time that all extents bring no gain, and
         the others once there are no faults left.
+    tidy : int
+        The most rounds at the end for a better flow where elements are new.
     """
 
     extents: tuple[Extent, ...]
     rounds: int
     patience: int
     flow: int
+    tidy: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,13 +92,16 @@ def evolve_rounds(
     executor: Executor,
     record: Callable[[Event], None],
     started: float,
+    is_enough: Callable[[ShellMesh], bool],
 ) -> Evolution:
     """Evolve procedures for all bad places of a mesh, round by round, until nothing improves.
+
+    A mesh that `is_enough` ends it earlier.
 
     What one subdomain becomes does not depend on the others of its round, so the work grows with
     the number of bad places and can be shared out.
     """
-    search = _Search(problem, mesh, reference, plan, schedule, executor, record, started)
+    search = _Search(problem, mesh, reference, plan, schedule, executor, record, started, is_enough)
     return search.run()
 
 
@@ -114,6 +118,7 @@ class _Search:
         executor: Executor,
         record: Callable[[Event], None],
         started: float,
+        is_enough: Callable[[ShellMesh], bool],
     ) -> None:
         self.problem = problem
         self.reference = reference
@@ -122,6 +127,7 @@ class _Search:
         self.executor = executor
         self.record = record
         self.started = started
+        self.is_enough = is_enough
         self.workpiece = Workpiece(mesh, problem.setting)
         self.best = self.workpiece
         self.rounds: list[Round] = []
@@ -149,28 +155,50 @@ class _Search:
                 self._slide()
             for turn in range(self.plan.rounds + self.plan.flow):
                 found = subdomains(self.workpiece, self._extent, turn, self.aim)
-                if not found and self.aim == "faults":
-                    if self._has_larger_extent and len(places(self.workpiece)):
-                        self.level += 1  # each fault's subdomain has a border that allows no less
-                    elif self.flows_left:
-                        self.aim = "flow"
-                    else:
-                        reason = "nothing is left to gain"
-                        break
-                    continue
-                if not found:
+                if found:
+                    status = self._do_round(turn, found)
+                elif not self._looks_elsewhere():
                     reason = "nothing is left to gain"
                     break
-                status = self._do_round(turn, found)
                 if status != "finished":
+                    break
+                if self.is_enough(self.best.mesh):
+                    reason = "the mesh is good enough"
                     break
                 if self.cycle > self.plan.patience:
                     reason = f"{self.plan.patience} cycles brought no gain"
                     break
+            if status == "finished":
+                status = self._tidy()
         except KeyboardInterrupt:
             status = "interrupted"
         rounds = tuple(self.rounds[: self.best_rounds])
         return Evolution(self.best.mesh, rounds, self.evaluations, status, reason)
+
+    def _looks_elsewhere(self) -> bool:
+        """Go on where no subdomain was found with a larger extent, or for a better flow."""
+        if self.aim != "faults":
+            return False
+        if self._has_larger_extent and len(places(self.workpiece)):
+            self.level += 1  # each fault's subdomain has a border that allows no less
+        elif self.flows_left:
+            self.aim = "flow"
+        else:
+            return False
+        return True
+
+    def _tidy(self) -> Status:
+        """Let the irregular nodes vanish that came with new elements, from the fittest mesh on."""
+        self.aim = "tidy"
+        status: Status = "finished"
+        for turn in range(self.plan.tidy):
+            self.workpiece = self.best
+            del self.rounds[self.best_rounds :]
+            found = subdomains(self.workpiece, self._extent, turn, self.aim)
+            if not found or status != "finished":
+                break
+            status = self._do_round(turn, found)
+        return status
 
     def _slide(self) -> None:
         """Let border nodes slide, before anything else, where fewer elements fail by that."""
@@ -198,15 +226,17 @@ class _Search:
         works = [subdomain_work(problem, self.reference, subdomain) for subdomain in found]
         states, status = self._evolve(works)
         empty = Round(extent, turn, (), self.aim)
-        done, mesh = _stitched(before.mesh, empty, found, works, states)
+        done, mesh = stitched(before.mesh, empty, found, works, states)
         self.workpiece = Workpiece(mesh, self.problem.setting)
         self.rounds.append(done)
         self._report(done, extent, problem, works, states)
         if self.aim == "faults":
             self.credit = FADING * self.credit + credits_of(done, problem)
             self._compare(before, problem, len(works))
-        else:
+        elif self.aim == "flow":
             self._compare_flow()
+        else:
+            self._remember()
         return status
 
     def _evolve(self, works: list[Work]) -> tuple[list[IslandState], Status]:
@@ -257,7 +287,7 @@ class _Search:
         """Remember the fittest mesh, and go on while that brings something and faults do not."""
         self.flows_left -= 1
         self.flows_in_vain = 0 if self._remember() else self.flows_in_vain + 1
-        if self.flows_in_vain == FLOW_PATIENCE:
+        if self.flows_in_vain == FLOW_PATIENCE * self.plan.patience:
             self.flows_left = 0
         if len(places(self.workpiece)) or not self.flows_left:
             self.aim = "faults"
@@ -274,7 +304,7 @@ class _Search:
 
     @property
     def _extent(self) -> Extent:
-        return self.plan.extents[self.level] if self.aim == "faults" else FLOW
+        return {"faults": self.plan.extents[self.level], "flow": FLOW, "tidy": TIDY}[self.aim]
 
     def _fitness(self, workpiece: Workpiece) -> float:
         return float(workpiece.fitness(workpiece.tally[None])[0])
@@ -305,6 +335,7 @@ class _Search:
                 solved=sum(solved),
                 failed=int(tally[FAILED]),
                 trias=int(tally[TRIAS]),
+                irregular=int(tally[IRREGULAR]),
                 evaluations=self.evaluations,
                 seconds=time.monotonic() - self.started,
                 rates=named_rates(problem),
@@ -323,58 +354,3 @@ def moving_on(problem: Problem, cycle: int, tally: Floats) -> Problem:
     trias_first = cycle % 2 == 1 if cycle else tally[FAILED] == 0
     fitness = replace(setting.fitness, kind="quads" if trias_first else "quality")
     return replace(problem, setting=replace(setting, fitness=fitness), drifts=cycle > 0)
-
-
-def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain) -> Work:
-    """Make a subdomain something for an archipelago to improve."""
-    return Work(
-        replace(
-            problem,
-            setting=subdomain_setting(problem.setting, subdomain),
-            reference=reference.around(subdomain.patch),
-        ),
-        subdomain.mesh,
-        subdomain.least_trias,
-    )
-
-
-def _stitched(
-    mesh: ShellMesh,
-    empty: Round,
-    found: Sequence[Subdomain],
-    works: Sequence[Work],
-    states: Sequence[IslandState],
-) -> tuple[Round, ShellMesh]:
-    """Perform what was found in each subdomain, polish it, and put all of them back.
-
-    `empty` is the round before it has places.
-    """
-    done, edits = [], []
-    for subdomain, work, state in zip(found, works, states, strict=False):
-        x, y, z = subdomain.centre.tolist()
-        steps = state.best_steps
-        if steps:
-            problem = work.problem
-            after = perform_steps(
-                work.mesh, steps, problem.operations, problem.setting, problem.reference
-            )
-            steps, after = _polished(after, steps, problem)
-            edits.append(subdomain.edit(mesh, after))
-        done.append(Place((x, y, z), steps))
-    return replace(empty, places=tuple(done)), apply(mesh, join(mesh, edits))
-
-
-def _polished(
-    mesh: ShellMesh, steps: tuple[Step, ...], problem: Problem
-) -> tuple[tuple[Step, ...], ShellMesh]:
-    """Smooth a whole subdomain towards the mean Q.I. as a last step, where that makes it fitter."""
-    setting = replace(problem.setting, fitness=replace(problem.fitness, kind="quality"))
-    for operation in problem.operations:
-        if operation.code == POLISH.code:
-            workpiece = Workpiece(mesh, setting, problem.reference)
-            edit = operation.apply(workpiece, POLISH.parameters)
-            after = workpiece.tally + workpiece.tally_change(edit)
-            before, polished = workpiece.fitness(np.stack([workpiece.tally, after]))
-            if polished > before:
-                return (*steps, POLISH), apply(mesh, edit)
-    return steps, mesh

@@ -149,17 +149,31 @@ def start_executor(job: Job, deadline: float, heed: Callable[[], None] = lambda:
     )
 
 
-def improve(job: Job, *, record: Callable[[Event], None] = lambda _: None) -> Finished:
-    """Run a job in this process; its time limit counts from now."""
+def improve(
+    job: Job,
+    *,
+    record: Callable[[Event], None] = lambda _: None,
+    is_enough: Callable[[ShellMesh], bool] = lambda _: False,
+) -> Finished:
+    """Run a job in this process; its time limit counts from now.
+
+    A mesh that `is_enough`, which is asked after every round, ends it earlier.
+    """
     started = time.monotonic()
     executor = start_executor(job, started + (job.config.time_limit or float("inf")))
     try:
-        return run(job, executor, record, started)
+        return run(job, executor, record, started, is_enough)
     finally:
         executor.close()
 
 
-def run(job: Job, executor: Executor, record: Callable[[Event], None], started: float) -> Finished:
+def run(
+    job: Job,
+    executor: Executor,
+    record: Callable[[Event], None],
+    started: float,
+    is_enough: Callable[[ShellMesh], bool] = lambda _: False,
+) -> Finished:
     """Evolve a procedure and perform it; every generation is recorded.
 
     `started` is the time.monotonic() from which seconds and time limit count.
@@ -177,7 +191,7 @@ def run(job: Job, executor: Executor, record: Callable[[Event], None], started: 
             before=summary(before),
         )
     )
-    evolution = _evolve(job, executor, record, started)
+    evolution = _evolve(job, executor, record, started, is_enough)
     finished = _finish(job, before, evolution, started)
     record(
         RunFinished(
@@ -206,7 +220,11 @@ def summary(quality: QualityIndex) -> MeshSummary:
 
 
 def _evolve(
-    job: Job, executor: Executor, record: Callable[[Event], None], started: float
+    job: Job,
+    executor: Executor,
+    record: Callable[[Event], None],
+    started: float,
+    is_enough: Callable[[ShellMesh], bool],
 ) -> Evolution:
     config, problem = job.config, job.problem
     schedule = Schedule(config.islands, config.generations, config.migration)
@@ -220,7 +238,7 @@ def _evolve(
         mesh, rounds = transfer(job.known, mesh, ALL_OPERATIONS, problem.setting)
     reference = Reference(job.mesh, problem.setting.feature_angle)
     evolution = evolve_rounds(
-        problem, mesh, reference, config.plan, schedule, executor, record, started
+        problem, mesh, reference, config.plan, schedule, executor, record, started, is_enough
     )
     return replace(evolution, rounds=rounds + evolution.rounds)
 

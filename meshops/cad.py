@@ -12,12 +12,16 @@ import numpy as np
 from meshops.errors import InputError
 from meshops.geometry import default_size
 from meshops.mesh import NO_NODE, ShellMesh
+from meshops.opposites import Face, Line, matched_divisions
 
 PROPERTY = 1
 """Region of all elements: faces meet at feature edges, which no operation crosses anyhow."""
 
 TRIA, QUAD = 2, 3
 """Element types of gmsh."""
+
+SAMPLES = 33
+"""Directions by which the turn of a curve is measured."""
 
 OPTIONS = {
     "General.Terminal": 0,
@@ -59,6 +63,7 @@ def mesh_cad(path: Path, size: float | None = None) -> ShellMesh:
         try:
             gmsh.option.setNumber("Mesh.MeshSizeMin", edge)
             gmsh.option.setNumber("Mesh.MeshSizeMax", edge)
+            _match_opposite_sides(gmsh, edge)
             gmsh.model.mesh.generate(2)
             return _shells(gmsh)
         except Exception as error:
@@ -82,6 +87,34 @@ def _gmsh() -> Iterator[Any]:
         yield gmsh
     finally:
         gmsh.finalize()
+
+
+def _match_opposite_sides(gmsh: Any, size: float) -> None:
+    """Divide the sides of narrow and round faces, and map those that have four of them."""
+    faces = {}
+    for _, number in gmsh.model.getEntities(2):
+        loops = gmsh.model.occ.getCurveLoops(number)[1]
+        curves = tuple(tuple(abs(int(curve)) for curve in loop) for loop in loops)
+        is_plane = gmsh.model.getType(2, number) == "Plane"
+        faces[number] = Face(gmsh.model.occ.getMass(2, number), curves, is_plane)
+    used = {curve for face in faces.values() for loop in face.loops for curve in loop}
+    lines = {curve: _line(gmsh, curve) for curve in sorted(used)}
+    divisions = matched_divisions(list(faces.values()), lines, size)
+    for curve, edges in divisions.items():
+        gmsh.model.mesh.setTransfiniteCurve(curve, edges + 1)
+    for number, face in faces.items():
+        if face.is_map(divisions):
+            gmsh.model.mesh.setTransfiniteSurface(number)
+
+
+def _line(gmsh: Any, curve: int) -> Line:
+    """Measure a curve."""
+    (first,), (last,) = gmsh.model.getParametrizationBounds(1, curve)
+    along = np.linspace(first, last, SAMPLES)
+    ways = np.array(gmsh.model.getDerivative(1, curve, along)).reshape(-1, 3)
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True).clip(1e-300)
+    turns = np.arccos((ways[1:] * ways[:-1]).sum(axis=1).clip(-1.0, 1.0))
+    return Line(gmsh.model.occ.getMass(1, curve), float(np.degrees(turns).sum()))
 
 
 def _shells(gmsh: Any) -> ShellMesh:

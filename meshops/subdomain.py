@@ -119,8 +119,9 @@ class Subdomain:
         )
 
 
-Aim = Literal["faults", "flow"]
-"""What subdomains are cut out for: failing elements and trias, or irregular nodes."""
+Aim = Literal["faults", "flow", "tidy"]
+"""What subdomains are cut out for: failing elements and trias, irregular nodes, or those of new
+elements alone."""
 
 
 def subdomains(
@@ -133,7 +134,7 @@ def subdomains(
     fails, and there are no more trias than the parity of their border asks for.
     """
     topology = workpiece.topology
-    bad = places(workpiece) if aim == "faults" else irregular_places(workpiece)
+    bad = places(workpiece) if aim == "faults" else irregular_places(workpiece, aim)
     if not len(bad):
         return []
     bad = np.roll(bad, -(turn * len(bad)) // 3) if turn else bad
@@ -155,7 +156,7 @@ def subdomains(
     gaining = [
         rows
         for rows in np.split(chosen[order], ends)
-        if aim == "flow" or failing[rows].any() or np.count_nonzero(is_tria[rows]) > 1
+        if aim != "faults" or failing[rows].any() or np.count_nonzero(is_tria[rows]) > 1
     ]
     slides = workpiece.setting.slides
     return [
@@ -180,10 +181,13 @@ def places(workpiece: Workpiece) -> Ints:
     return rows[bad[rows]]
 
 
-def irregular_places(workpiece: Workpiece) -> Ints:
-    """Rows of the elements with irregular nodes, those with the most first."""
-    elements = workpiece.mesh.elements
-    count = np.count_nonzero(workpiece.irregular[elements] & (elements != NO_NODE), axis=1)
+def irregular_places(workpiece: Workpiece, aim: Aim) -> Ints:
+    """Rows of the elements with irregular nodes, or irregular ones of new elements; most first."""
+    elements, irregular = workpiece.mesh.elements, workpiece.irregular
+    if aim == "tidy":
+        new = elements[workpiece.mesh.element_ids == NEW]
+        irregular = irregular & np.isin(np.arange(len(irregular)), new)
+    count = np.count_nonzero(irregular[elements] & (elements != NO_NODE), axis=1)
     chosen = np.nonzero((count > 0) & workpiece.topology.editable)[0]
     order = np.argsort(-count[chosen], kind="stable")
     return chosen[order].astype(np.int32)

@@ -209,6 +209,25 @@ def test_a_cad_file_that_is_none_is_told_and_gmsh_is_closed(tmp_path):
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="no shared data")
+def test_each_face_of_half_a_tube_is_rows_of_quads(tmp_path):
+    """Its arcs are 5 and 3.1 edges long: divided each for itself, the rims would need trias."""
+    gmsh = pytest.importorskip("gmsh")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        occ = gmsh.model.occ
+        outer, inner = (occ.addCylinder(0, 0, 0, 0, 0, 2, r, angle=np.pi) for r in (1.6, 1.0))
+        occ.cut([(3, outer)], [(3, inner)])
+        occ.synchronize()
+        gmsh.write(str(tmp_path / "tube.step"))
+    finally:
+        gmsh.finalize()
+    mesh = mesh_geometry(tmp_path / "tube.step", 1.0)
+    assert not mesh.is_tria.any()
+    arcs, along = 6, 2
+    assert len(mesh.elements) == 2 * arcs * along + 2 * arcs + 2 * along
+
+
 def test_a_solid_of_a_cad_file_comes_out_closed():
     pytest.importorskip("gmsh")
     mesh = mesh_geometry(DATA / "trimesh_featuretype.STEP")

@@ -129,7 +129,9 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
     """And what was tried in vain after the last gain is no part of the procedure."""
     mesh = with_a_fault_for_ever(bad_plate())
     events: Events = []
-    done = finish(job(mesh, patience=2, rings=[2, 4], largest=[20, 60], slide=False), events)
+    done = finish(
+        job(mesh, patience=2, rings=[2, 4], largest=[20, 60], tidy=0, slide=False), events
+    )
     assert "brought no gain" in events[-1].reason  # type: ignore[union-attr]
     assert (1, 0) <= faults(done.mesh) < faults(mesh)
     rounds = [e for e in events if isinstance(e, RoundReport)]
@@ -142,7 +144,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
 
 def test_the_rounds_of_a_run_can_be_limited(mesh: ShellMesh) -> None:
     events: Events = []
-    done = finish(job(mesh, rounds=1, slide=False), events)
+    done = finish(job(mesh, rounds=1, tidy=0, slide=False), events)
     assert len(done.procedure.rounds) == 1
     assert finish(job(mesh, rounds=0)).mesh.digest == mesh.digest
 
@@ -333,13 +335,23 @@ def test_dense_faults_get_larger_subdomains_at_once() -> None:
 
 def test_rounds_for_a_better_flow_leave_fewer_irregular_nodes_and_no_fault() -> None:
     mesh = plate()
-    plain, flowing = finish(job(mesh)), finish(job(mesh, flow=4))
+    plain, flowing = finish(job(mesh, tidy=0)), finish(job(mesh, flow=4, tidy=0))
     assert faults(flowing.mesh) <= faults(plain.mesh)
     assert singular_nodes(flowing.mesh) < singular_nodes(plain.mesh)
     assert [r.aim for r in flowing.procedure.rounds].count("flow") > 0
     assert barriers(flowing.mesh) == barriers(mesh)
     assert_sound(flowing.mesh)
     assert replayed(mesh, flowing).digest == flowing.mesh.digest
+
+
+def test_tidying_leaves_fewer_irregular_nodes_than_a_repair_alone() -> None:
+    mesh = plate()
+    plain, tidied = finish(job(mesh, tidy=0)), finish(job(mesh))
+    assert faults(tidied.mesh) <= faults(plain.mesh)
+    assert singular_nodes(tidied.mesh) < singular_nodes(plain.mesh)
+    assert [r.aim for r in tidied.procedure.rounds].count("tidy") > 0
+    assert_sound(tidied.mesh)
+    assert replayed(mesh, tidied).digest == tidied.mesh.digest
 
 
 def test_without_rounds_for_flow_a_mesh_without_faults_stays_as_it_is() -> None:

@@ -152,7 +152,7 @@ def test_a_resumed_run_goes_on_in_its_record(client, experiment, outputs_and_sto
     recorder = MlflowRecorder(f"sqlite:///{outputs_and_store[1]}", notify=sentences.append)
     recorder.record(replace(START, run_id="run-2", settings={"ga.size": 20, "more": 1}))
     recorder.record(report(0, GENERATIONS))
-    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 4200, 33.3, {"swap-edge": 0.25}))
+    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 8, 4200, 33.3, {"swap-edge": 0.25}))
     recorder.record(END)
     recorder.close()
     assert sentences == []

@@ -19,7 +19,7 @@ AFTER = MeshSummary(elements=98, quads=94, trias=4, failed=0, compound_qi=0.5)
 START = RunStarted("plate", "id", 7, "local", 2, {"islands": 2}, BEFORE)
 END = RunFinished("finished", "all generations done", AFTER, 96.0, 12.3, 1200, "0 1-2\n2 -", "abc")
 
-ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 4200, 33.35, {"remesh": 0.25, "nothing": 0.75})
+ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 8, 4200, 33.35, {"remesh": 0.25, "nothing": 0.75})
 
 
 def report(island=1, generation=3, best=90.0, best_so_far=92.0):
@@ -112,6 +112,7 @@ def test_metrics_of_a_run():
         "round/rings": 3.0,
         "round/failed": 9.0,
         "round/trias": 6.0,
+        "round/irregular": 8.0,
         "rate/remesh": 0.25,
         "rate/nothing": 0.75,
     }
@@ -149,7 +150,8 @@ def test_lines_of_a_run():
         "plate  seed 7  2 islands  local  before: 120 elements  failed 12  trias 11  Q.I. 3.21",
         "generation 3  island 1  fitness 92.000  failed 4  trias 8  Q.I. 1.23  evaluations 1200  "
         "12.3 s",
-        "round 5  12 places of 3 rings  7 better, 4 without a fault  failed 9  trias 6  33.4 s",
+        "round 5  12 places of 3 rings  7 better, 4 without a fault  failed 9  trias 6  "
+        "irregular 8  33.4 s",
         "finished: all generations done  fitness 96.000  evaluations 1200  12.3 s",
     ]
 

@@ -124,8 +124,8 @@ class RoundReport:
         How far the places reached.
     places, changed, solved : int
         Places that were worked on, those that are better now, those without a fault now.
-    failed, trias : int
-        Of the whole mesh after the round.
+    failed, trias, irregular : int
+        Of the whole mesh after the round; irregular are inner nodes of other than four elements.
     evaluations : int
         Since the start of the run.
     seconds : float
@@ -141,6 +141,7 @@ class RoundReport:
     solved: int
     failed: int
     trias: int
+    irregular: int
     evaluations: int
     seconds: float
     rates: Mapping[str, float]

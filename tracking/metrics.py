@@ -61,6 +61,7 @@ class Metrics:
                 "round/rings": event.rings,
                 "round/failed": event.failed,
                 "round/trias": event.trias,
+                "round/irregular": event.irregular,
             } | {f"rate/{name}": rate for name, rate in event.rates.items()}
             yield from _points(ALL_ISLANDS, figures, timestamp, event.turn)
         elif isinstance(event, RunFinished):

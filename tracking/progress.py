@@ -159,7 +159,7 @@ def _round(report: RoundReport) -> str:
     return (
         f"round {report.turn}  {report.places} places of {report.rings} rings  "
         f"{report.changed} better, {report.solved} without a fault  failed {report.failed}  "
-        f"trias {report.trias}  {report.seconds:.1f} s"
+        f"trias {report.trias}  irregular {report.irregular}  {report.seconds:.1f} s"
     )
 
 

@@ -15,7 +15,7 @@ from meshops.kernels.optimising import optimise
 from meshops.kernels.patches import disc
 from meshops.kernels.quality import TALLY_SIZE
 from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Floats, Ids, Ints
 from meshops.patch import Patch, components, extract, join, stitch
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.surface import PatchSurface
@@ -155,7 +155,8 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
     patch = extract(workpiece.topology, rows)
     fixed = patch.border_nodes
     outside = _outside(workpiece, patch)
-    wanting = int(np.count_nonzero(_wanting(workpiece, rows)))
+    bad = workpiece.irregular_elements | workpiece.failing | workpiece.mesh.is_tria
+    wanting = int(np.count_nonzero(bad[rows]))
     if not wanting or fixed == len(patch.points):
         return Edit()
     hot, effort = HEATS[heat]
@@ -184,13 +185,6 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
     if not _is_valid(workpiece, patch, points, elements, edge):
         return Edit()
     return stitch(workpiece.mesh, patch, points[fixed:], elements)
-
-
-def _wanting(workpiece: Workpiece, rows: Ints) -> Bools:
-    """(m,) bool: which elements fail, are trias, or have an irregular node."""
-    wanting = workpiece.irregular_elements | workpiece.failing | workpiece.mesh.is_tria
-    wanted: Bools = wanting[rows]
-    return wanted
 
 
 def _outside(workpiece: Workpiece, patch: Patch) -> Ints:
