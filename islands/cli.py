@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 DONE, BAD_INPUT, INTERRUPTED = 0, 2, 130
 
-FLOW_OF_NEW_MESHES = 6
+FLOW_OF_NEW_MESHES = 3
 """Rounds for a better flow of what `mesh` makes: there is no mesh yet that is to be kept."""
 
 _PATH = click.Path(path_type=Path)

@@ -14,6 +14,18 @@ from meshops.operations.smooth import Smooth
 LEAST_RATE = 0.3
 """Of an even share: what an operation that never paid off is still drawn with."""
 
+EXPERIENCE = {
+    "remesh": 5.0,
+    "smooth": 4.0,
+    "anneal": 2.0,
+    "transport-tria": 2.0,
+    "edit-element": 2.0,
+    "slide": 1.0,
+}
+"""Credit that a run begins with: how operations shared in what paid off on a wing and on planar
+parts, in the first rounds of runs that began without any; half of that for `anneal`, which takes
+longest."""
+
 FLOW_RATES = {Anneal().code: 0.8, Smooth().code: 0.1}
 """How often operations are drawn in rounds for a better flow; the rest is nothing."""
 
@@ -26,6 +38,12 @@ def adapted_rates(credit: Floats) -> Floats:
     rates: Floats = LEAST_RATE * even + (1.0 - LEAST_RATE) * credit / credit.sum()
     normalised: Floats = rates / rates.sum()
     return normalised
+
+
+def first_credit(problem: Problem) -> Floats:
+    """(C,) credit of each operation before the first round."""
+    names = {operation.code: operation.name for operation in problem.operations}
+    return np.array([EXPERIENCE.get(names.get(code, ""), 0.0) for code in problem.codes])
 
 
 def flow_rates(problem: Problem) -> Floats:

@@ -12,7 +12,7 @@ from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
 from islands.procedure import Round, perform
-from islands.rates import adapted_rates, credits_of, flow_rates, named_rates
+from islands.rates import adapted_rates, credits_of, first_credit, flow_rates, named_rates
 from islands.reporter import Reporter
 from islands.sliding import slid
 from islands.stitching import stitched, subdomain_work
@@ -132,10 +132,10 @@ class _Search:
         self.best = self.workpiece
         self.rounds: list[Round] = []
         self.best_rounds = 0
-        self.credit = np.zeros(len(problem.codes))
+        self.credit = first_credit(problem)
         self.evaluations = 0
         self.batches = 0
-        self.level = self._first_level()
+        self.level = self.first_level = self._first_level()
         self.cycle = 0
         self.aim: Aim = "faults"
         self.flows_left = plan.flow
@@ -223,7 +223,9 @@ class _Search:
             problem = replace(problem, weights=adapted_rates(self.credit), turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
-        works = [subdomain_work(problem, self.reference, subdomain) for subdomain in found]
+        works = [
+            subdomain_work(problem, self.reference, subdomain, self.aim) for subdomain in found
+        ]
         states, status = self._evolve(works)
         empty = Round(extent, turn, (), self.aim)
         done, mesh = stitched(before.mesh, empty, found, works, states)
@@ -242,7 +244,11 @@ class _Search:
     def _evolve(self, works: list[Work]) -> tuple[list[IslandState], Status]:
         """Evolve the works batch by batch; fewer states than works where time is up."""
         tally = self.workpiece.tally
-        generations = min(self.level + self.cycle, self.schedule.generations)
+        # more effort where less of it, or less room, was not enough
+        grown = max(self.level - self.first_level, 0) + self.cycle
+        if self.aim != "faults":
+            grown = self.flows_in_vain
+        generations = min(grown, self.schedule.generations)
         effort = replace(self.schedule, generations=generations)
         states: list[IslandState] = []
         for first in range(0, len(works), BATCH):

@@ -25,8 +25,11 @@ STRAIGHTEN, POLISH = (
 """Smoothing of all nodes around the worst element, far enough for a subdomain of usual size."""
 
 
-def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain) -> Work:
-    """Make a subdomain something for an archipelago to improve."""
+def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain, aim: Aim) -> Work:
+    """Make a subdomain something for an archipelago to improve.
+
+    Where faults are the aim it is done as soon as there are none.
+    """
     return Work(
         replace(
             problem,
@@ -34,7 +37,7 @@ def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain)
             reference=reference.around(subdomain.patch),
         ),
         subdomain.mesh,
-        subdomain.least_trias,
+        subdomain.least_trias if aim == "faults" else -1,
     )
 
 

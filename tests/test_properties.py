@@ -62,16 +62,21 @@ def assert_no_element_got_worse(before, after):
     assert set(after.element_ids[sorted(rows)]) <= set(before.element_ids[sorted(were)])
 
 
-def assert_barriers_are_kept(before, after, *, merges):
+def assert_barriers_are_kept(before, after, *, merges, creases=0):
     """Edges with one element or with three and more are as they were, by their places.
 
     So each edge inside a zone has two elements still. Merges may shorten the chain of a border.
+    Where the part is so round that larger elements turn from each other by more than the feature
+    angle, some `creases` may come.
     """
 
     def kept(mesh):
         return {edge: uses for edge, uses in barriers(mesh).items() if uses > 1 or not merges}
 
-    assert kept(before) == kept(after)
+    assert kept(before).items() <= kept(after).items()
+    new = kept(after).items() - kept(before).items()
+    assert len(new) <= creases
+    assert {uses for _, uses in new} <= {2}
 
 
 @each_operation
@@ -97,7 +102,7 @@ def test_curved_parts_stay_whole(operation, mesh, seed):
     for after, tally in outcomes(operation, workpiece(mesh), seed):
         assert_no_element_got_worse(mesh, after)
         assert_ids_are_kept(mesh, after)
-        assert_barriers_are_kept(mesh, after, merges=merges)
+        assert_barriers_are_kept(mesh, after, merges=merges, creases=4)
         assert_zones_are_whole(mesh, after, area=0.1, straight=merges)
         assert_on_the_surface(mesh, after, tolerance=0.1)
         np.testing.assert_allclose(workpiece(after).tally, tally, rtol=1e-9, atol=1e-8)

@@ -1,6 +1,7 @@
 """Rounds: what a run over all bad places keeps, how it ends, and that it can be done again."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from islands.archipelago import TimeUpError
 from islands.executors.local import LocalExecutor
 from islands.island import IslandState, Migrants
 from islands.procedure import Place, Procedure, Round, Step, perform
-from islands.rates import adapted_rates, credits_of
+from islands.rates import adapted_rates, credits_of, first_credit, named_rates
 from islands.rounds import moving_on
 from islands.run import Finished, run
 from meshops.examples import plate
@@ -271,8 +272,11 @@ def test_the_rates_that_are_told_are_those_that_were_adapted(
     for each in rates:
         assert set(each) == names
         assert sum(each.values()) == pytest.approx(1.0, abs=1e-2)
-    assert len(set(rates[0].values())) == 1
-    assert len(rates) < 2 or len(set(rates[1].values())) > 1
+    begun = job(bad_plate(), slide=False).problem
+    first = named_rates(replace(begun, weights=adapted_rates(first_credit(begun))))
+    assert rates[0] == first
+    assert first["remesh"] > first["swap-edge"] > 0
+    assert len(rates) < 2 or rates[1] != first
 
 
 # --- rates --------------------------------------------------------------------------------------

@@ -123,14 +123,6 @@ def test_without_sliding_all_borders_stay_as_they_are():
     assert done.after.failed > 2
 
 
-def test_an_older_procedure_does_not_slide():
-    done = finish(job(narrow(), rounds=2, slide=False))
-    text = done.procedure.to_json(ALL_OPERATIONS)
-    older = text.replace('"slides": false, ', "")
-    assert older != text
-    assert not Procedure.from_json(older, ALL_OPERATIONS, "procedure.json").slides
-
-
 # --- which nodes may slide ----------------------------------------------------------------------
 
 

@@ -42,9 +42,6 @@ LEAST_TRIALS, MOST_TRIALS = 2_000, 400_000
 CELLS = 4096
 """Of the grid of wanted sizes, at the most."""
 
-TRIED = 3
-"""Different individuals of a first generation: each is a search of its own."""
-
 
 @dataclass(frozen=True)
 class Anneal:
@@ -95,16 +92,18 @@ class AnnealSpace:
         self._tallies: dict[int, Floats] = {}
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
-        """Places near the worst elements more often than others, a few of them again and again."""
+        """One place again and again, rather near the worst elements: each is a search of its own.
+
+        Many procedures that anneal once do more in the same time than one that chooses.
+        """
         bad, rings, heats, seeds = self._shape
         genes = (
-            (bad * rng.random(TRIED) ** 2).astype(np.int64),
-            rng.integers(0, rings, TRIED),
-            rng.integers(0, heats, TRIED),
-            rng.integers(0, seeds, TRIED),
+            int(bad * rng.random() ** 2),
+            rng.integers(0, rings),
+            rng.integers(0, heats),
+            rng.integers(0, seeds),
         )
-        genomes: Ids = np.resize(np.ravel_multi_index(genes, self._shape), count)[:, None]
-        return genomes
+        return np.full((count, 1), np.ravel_multi_index(genes, self._shape))
 
     def evaluate(self, genomes: Ids) -> Floats:
         """Anneal the place of each genome."""
