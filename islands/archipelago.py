@@ -9,44 +9,41 @@ from typing import Literal, Protocol
 import numpy as np
 
 from islands.integration_ga import Work
-from islands.island import IslandState, Migrants, emigrants
-from islands.topology import ring
+from islands.island import IslandPlan, IslandState
+from islands.migration import Migrants
+from islands.topology import Link
 
 Status = Literal["finished", "time-limit", "interrupted"]
 
 
 @dataclass(frozen=True)
-class Migration:
-    """When and how many individuals migrate.
-
-    Attributes
-    ----------
-    every : int
-        Generations between two migrations (an epoch).
-    count : int
-        Best individuals that each island sends to the next of the ring.
-    """
-
-    every: int = 2
-    count: int = 1
-
-
-@dataclass(frozen=True)
 class Schedule:
-    """How long islands evolve, and how.
+    """How long islands evolve, and when and where migrants travel.
 
     Attributes
     ----------
-    islands : int
-        Of each work.
+    plans : tuple of IslandPlan
+        One for each island of a work.
     generations : int
         After the first one, which is drawn.
-    migration : Migration
+    links : tuple of (int, int)
+        Source and target of migrants.
+    every : int
+        Generations between two migrations (an epoch).
+    delay : int
+        Epochs later than the next generation that migrants arrive.
     """
 
-    islands: int
+    plans: tuple[IslandPlan, ...]
     generations: int
-    migration: Migration
+    links: tuple[Link, ...] = ()
+    every: int = 1
+    delay: int = 0
+
+    @property
+    def islands(self) -> int:
+        """Of each work."""
+        return len(self.plans)
 
 
 class Executor(Protocol):
@@ -104,10 +101,10 @@ def evolve_archipelago(
 ) -> Result:
     """Step all islands of all works to the last generation, migrants travelling in between.
 
-    The islands of a work are a ring of their own. Migrants leave after every `migration.every`
-    generations and arrive before the next one begins, by the number of the generation and never by
-    who is ready first. A work in which nothing is left to gain stops. Time limit and interruption
-    end all of them with the best that was found until then.
+    The islands of each work are linked among themselves. Migrants leave after every epoch and
+    arrive before the next generation begins, or a fixed number of epochs later, by the number of
+    the generation and never by who is ready first. A work in which nothing is left to gain stops.
+    Time limit and interruption end all of them with the best that was found until then.
     """
     status: Status = "finished"
     states = [
@@ -116,21 +113,21 @@ def evolve_archipelago(
     ]
     try:
         executor.open(works)
-        arriving: dict[tuple[int, int], Migrants] = {}
+        travelling: dict[int, list[_Group]] = {}
         for generation in range(schedule.generations + 1):
             busy = [row for row, work in zip(states, works, strict=True) if not _done(row, work)]
             if not busy:
                 break
+            arriving = _arrivals(travelling.pop(generation, []))
             steps = [(s, arriving.get((s.work, s.island))) for row in busy for s in row]
             for state in executor.advance(steps):
                 states[state.work][state.island] = state
             for island in range(schedule.islands):
                 watch(island, [row[island] for row in states])
-            arriving = {}
-            if generation < schedule.generations and (
-                (generation + 1) % schedule.migration.every == 0
-            ):
-                arriving = _migrate(busy, schedule.migration, post)
+            if (generation + 1) % schedule.every == 0:
+                arrival = generation + 1 + schedule.delay * schedule.every
+                if arrival <= schedule.generations:
+                    travelling[arrival] = _departures(busy, schedule, post)
     except TimeUpError:
         status = "time-limit"
     except KeyboardInterrupt:
@@ -143,13 +140,39 @@ def _done(row: list[IslandState], work: Work) -> bool:
     return any(state.generation > 0 and work.is_solved(state.best_tally) for state in row)
 
 
-def _migrate(
-    busy: list[list[IslandState]], migration: Migration, post: Post
-) -> dict[tuple[int, int], Migrants]:
-    arriving = {}
+@dataclass(frozen=True, eq=False)
+class _Group:
+    """Migrants on their way."""
+
+    work: int
+    target: int
+    migrants: Migrants
+
+
+def _departures(busy: list[list[IslandState]], schedule: Schedule, post: Post) -> list[_Group]:
+    """Send migrants along all links, by source and then target; those that move are gone then."""
+    groups = []
+    targets: dict[int, list[int]] = {}
+    for source, target in schedule.links:
+        targets.setdefault(source, []).append(target)
     for row in busy:
-        for source, target in ring(len(row)):
-            leaving = emigrants(row[source], migration.count)
-            arriving[row[source].work, target] = leaving
-            post(row[source], target, leaving)
-    return arriving
+        for source, goals in targets.items():
+            state, migration = row[source], schedule.plans[source].migration
+            leaving = state.leaving[: migration.number(len(state.genomes))]
+            for i, target in enumerate(goals):
+                chosen = leaving[i :: len(goals)] if migration.moves else leaving
+                if len(chosen):
+                    migrants = state.residents.take(chosen)
+                    groups.append(_Group(state.work, target, migrants))
+                    post(state, target, migrants)
+            if migration.moves:
+                row[source] = state.without(leaving)
+    return groups
+
+
+def _arrivals(groups: list[_Group]) -> dict[tuple[int, int], Migrants]:
+    """Migrants by the work and the island where they arrive, in the order of their sources."""
+    together: dict[tuple[int, int], list[Migrants]] = {}
+    for group in groups:
+        together.setdefault((group.work, group.target), []).append(group.migrants)
+    return {place: Migrants.join(some) for place, some in together.items()}

@@ -9,9 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from islands.archipelago import Migration
+from islands.archipelago import Schedule
 from islands.genetics import Breeding
+from islands.island import IslandPlan
+from islands.migration import GivingWay, Leaving, Migration
 from islands.rounds import Plan
+from islands.topology import Link, Topology, TopologyKind
 from meshops.errors import InputError
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
 from meshops.subdomain import Extent
@@ -50,15 +53,32 @@ ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
 """What running one operation GA alone sets: the settings of section 4.1 for it."""
 
 
+_MODEL = ConfigDict(
+    frozen=True,
+    extra="forbid",
+    alias_generator=lambda name: name.replace("_", "-"),
+    allow_inf_nan=False,
+)
+
+
+class IslandConfig(BaseModel):
+    """What one island has otherwise than the rest: a table ``[[island]]`` of a TOML file."""
+
+    model_config = _MODEL
+
+    population: int | None = Field(default=None, ge=2)
+    crossover: float | None = Field(default=None, ge=0, le=1)
+    mutation: float | None = Field(default=None, ge=0, le=1)
+    elites: int | None = Field(default=None, ge=0)
+    scaling: Literal["proportional", "window"] | None = None
+    selection: Literal["roulette", "tournament", "rank"] | None = None
+    recombination: Literal["single-point", "two-point", "uniform"] | None = None
+
+
 class Config(BaseModel):
     """All settings of a run; keys of a TOML file are written with dashes."""
 
-    model_config = ConfigDict(
-        frozen=True,
-        extra="forbid",
-        alias_generator=lambda name: name.replace("_", "-"),
-        allow_inf_nan=False,
-    )
+    model_config = _MODEL
 
     profile: Literal["default", "thorough", "paper"] = "default"
     operation: Literal["remesh", "replace-node"] | None = None
@@ -83,8 +103,22 @@ class Config(BaseModel):
     patience: int = Field(6, ge=1)
     flow: int = Field(0, ge=0)
     tidy: int = Field(2, ge=0)
+    selection: Literal["roulette", "tournament", "rank"] = "roulette"
+    recombination: Literal["single-point", "two-point", "uniform"] = "single-point"
+    topology: TopologyKind = "ring"
+    degree: int = Field(4, ge=1)
+    rewiring: float = Field(0.1, ge=0, le=1)
+    edges: tuple[Link, ...] = ()
     migrate_every: int = Field(1, ge=1)
     migrants: int = Field(1, ge=0)
+    migrant_share: float | None = Field(None, ge=0, le=1)
+    leaving: Leaving = "best"
+    giving_way: GivingWay = "worst"
+    migrants_move: bool = False
+    refuse_duplicates: bool = False
+    migration_patience: int = Field(0, ge=0)
+    migration_delay: int = Field(0, ge=0)
+    island: tuple[IslandConfig, ...] = ()
     seed: int = Field(1, ge=0)
     time_limit: float | None = Field(None, gt=0)
     backend: Literal["local", "ray"] = "local"
@@ -139,9 +173,38 @@ class Config(BaseModel):
         return self._breeding(self.operation_population, self.operation_generations)
 
     @property
-    def migration(self) -> Migration:
-        """When and how many individuals migrate."""
-        return Migration(self.migrate_every, self.migrants)
+    def schedule(self) -> Schedule:
+        """How long islands evolve, and when and where migrants travel.
+
+        Raises InputError where the topology does not fit the number of islands.
+        """
+        topology = Topology(self.topology, self.degree, self.rewiring, self.edges, self.seed)
+        return Schedule(
+            plans=self.plans,
+            generations=self.generations,
+            links=topology.links(self.islands),
+            every=self.migrate_every,
+            delay=self.migration_delay,
+        )
+
+    @property
+    def plans(self) -> tuple[IslandPlan, ...]:
+        """How each island lives; tables of single islands come again where there are fewer."""
+        migration = Migration(
+            count=self.migrants,
+            share=self.migrant_share,
+            leaving=self.leaving,
+            giving_way=self.giving_way,
+            moves=self.migrants_move,
+            refuses_duplicates=self.refuse_duplicates,
+            patience=self.migration_patience,
+        )
+        own = self.island or (IslandConfig.model_validate({}),)
+        configs = [
+            self.model_copy(update=own[number % len(own)].model_dump(exclude_none=True))
+            for number in range(self.islands)
+        ]
+        return tuple(IslandPlan(config.breeding, self.genes, migration) for config in configs)
 
     def flat(self) -> dict[str, str | int | float | bool]:
         """All settings as the keys of a TOML file; those that are not set are left out."""
@@ -149,6 +212,7 @@ class Config(BaseModel):
         return {
             key: ", ".join(map(str, value)) if isinstance(value, tuple) else value
             for key, value in values.items()
+            if value != ()
         }
 
     def _breeding(self, individuals: int, generations: int) -> Breeding:
@@ -159,6 +223,8 @@ class Config(BaseModel):
             mutation=self.mutation,
             elites=min(self.elites, individuals),
             scaling=self.scaling,
+            selection=self.selection,
+            recombination=self.recombination,
         )
 
 
@@ -177,6 +243,7 @@ def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
         config = Config.model_validate({**base, **chosen})
     except ValidationError as error:
         raise InputError(_sentence(error, file, given)) from None
+    _ = config.schedule  # whether the topology fits is told before the run
     if len(config.rings) != len(config.largest):
         raise InputError(
             f'"rings" has {len(config.rings)} values and "largest" {len(config.largest)}; '
@@ -206,9 +273,12 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _sentence(error: ValidationError, file: Path | None, given: Mapping[str, Any]) -> str:
     first = error.errors()[0]
-    key = str(first["loc"][0])
+    key, table = str(first["loc"][-1]), len(first["loc"]) > 1 and first["loc"][0] == "island"
     if first["type"] == "extra_forbidden":
-        known = ", ".join(name.replace("_", "-") for name in Config.model_fields)
-        return f'{file}: there is no setting "{key}"; the settings are {known}.'
+        fields = IslandConfig.model_fields if table else Config.model_fields
+        known = ", ".join(name.replace("_", "-") for name in fields)
+        whose = f"of island {first['loc'][1]} " if table else ""
+        return f'{file}: there is no setting {whose}"{key}"; the settings are {known}.'
+    key = key if table else str(first["loc"][0])
     where = f"--{key}" if first["loc"][0] in given or file is None else f'{file}: "{key}"'
     return f"{where} is {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}."

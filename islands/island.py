@@ -9,8 +9,12 @@ import numpy as np
 
 from islands.genetics import Breeding, next_generation
 from islands.integration_ga import Evaluator
+from islands.migration import Migrants, Migration, queue, settle
 from islands.procedure import Step
 from meshops.mesh import Floats, Ids
+
+MIGRATING = 1
+"""Last part of the key of the random numbers that migration takes: breeding has its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +39,10 @@ class IslandState:
         The fittest procedure that the island has seen.
     evaluations : int
         Individuals of operation GAs that were scored for it.
+    stagnant : int
+        Generations since the fittest procedure was found.
+    leaving : (P,) int64
+        Rows of the individuals in the order in which they would leave.
     """
 
     work: int
@@ -47,47 +55,63 @@ class IslandState:
     best_tally: Floats
     best_steps: tuple[Step, ...]
     evaluations: int
+    stagnant: int
+    leaving: Ids
 
     @classmethod
     def first(cls, work: int, island: int) -> Self:
         """Make an island before its first generation."""
         none = np.zeros(0)
         no_genomes = np.zeros((0, 0), np.int64)
-        return cls(work, island, 0, no_genomes, none, np.zeros((0, 0)), -np.inf, none, (), 0)
+        nobody = np.zeros(0, np.int64)
+        return cls(
+            work, island, 0, no_genomes, none, np.zeros((0, 0)), -np.inf, none, (), 0, 0, nobody
+        )
+
+    @property
+    def residents(self) -> Migrants:
+        """Its individuals."""
+        return Migrants(self.genomes, self.fitness, self.tallies)
+
+    def without(self, rows: Ids) -> IslandState:
+        """Return the island after individuals have gone for good: none is bred from any more."""
+        fitness = self.fitness.copy()
+        fitness[rows] = -np.inf
+        return replace(self, fitness=fitness)
 
 
-@dataclass(frozen=True, eq=False)
-class Migrants:
-    """Individuals that change islands, always copies, with the fitness that they were given.
+@dataclass(frozen=True)
+class IslandPlan:
+    """How an island lives; each may live in another way.
 
     Attributes
     ----------
-    genomes : (K, G) int64
-    fitness : (K,) float64
+    breeding : Breeding
+    genes : int
+        Of an individual.
+    migration : Migration
     """
 
-    genomes: Ids
-    fitness: Floats
+    breeding: Breeding
+    genes: int
+    migration: Migration
 
 
 def step(
-    state: IslandState,
-    immigrants: Migrants | None,
-    evaluator: Evaluator,
-    breeding: Breeding,
-    genes: int,
+    state: IslandState, immigrants: Migrants | None, evaluator: Evaluator, plan: IslandPlan
 ) -> IslandState:
     """Take in immigrants, breed and score one generation.
 
     Random numbers come from (run seed, round, mesh, island, generation) alone.
     """
-    problem = evaluator.problem
-    rng = np.random.default_rng(
-        [problem.seed, problem.turn, int(evaluator.root.mesh, 16), state.island, state.generation]
-    )
-    genomes = problem.draw(rng, breeding.individuals, genes)
+    problem, breeding = evaluator.problem, plan.breeding
+    key = [
+        problem.seed, problem.turn, int(evaluator.root.mesh, 16), state.island, state.generation
+    ]  # fmt: skip
+    rng, migrating = np.random.default_rng(key), np.random.default_rng([*key, MIGRATING])
+    genomes = problem.draw(rng, breeding.individuals, plan.genes)
     if state.generation > 0:
-        residents = settle(state, immigrants)
+        residents = _with(immigrants, state, plan.migration, migrating)
         genomes = next_generation(residents.genomes, residents.fitness, genomes, breeding, rng)
     before = evaluator.evaluations
     fitness, tallies, steps = evaluator.evaluate(genomes)
@@ -98,26 +122,29 @@ def step(
         fitness=fitness,
         tallies=tallies,
         evaluations=state.evaluations + evaluator.evaluations - before,
+        stagnant=state.stagnant + 1,
+        leaving=queue(fitness, plan.migration, migrating),
     )
     top = int(np.argmax(fitness))
     if fitness[top] <= state.best_fitness:
         return after
     return replace(
-        after, best_fitness=float(fitness[top]), best_tally=tallies[top], best_steps=steps[top]
+        after,
+        best_fitness=float(fitness[top]),
+        best_tally=tallies[top],
+        best_steps=steps[top],
+        stagnant=0,
     )
 
 
-def settle(state: IslandState, immigrants: Migrants | None) -> Migrants:
-    """Put immigrants in the place of the worst residents; later residents go first among equals."""
-    genomes, fitness = state.genomes.copy(), state.fitness.copy()
-    if immigrants is not None and len(immigrants.genomes):
-        leaving = np.argsort(fitness, kind="stable")[: len(immigrants.genomes)]
-        genomes[leaving] = immigrants.genomes[: len(leaving)]
-        fitness[leaving] = immigrants.fitness[: len(leaving)]
-    return Migrants(genomes, fitness)
-
-
-def emigrants(state: IslandState, count: int) -> Migrants:
-    """Copy the best individuals of an island."""
-    best = np.argsort(-state.fitness, kind="stable")[:count]
-    return Migrants(state.genomes[best].copy(), state.fitness[best].copy())
+def _with(
+    immigrants: Migrants | None,
+    state: IslandState,
+    migration: Migration,
+    rng: np.random.Generator,
+) -> Migrants:
+    """Return the individuals of an island once those who are let in have settled."""
+    if immigrants is None or state.stagnant < migration.patience:
+        return state.residents
+    parents = state.leaving[: migration.number(len(state.genomes))]
+    return settle(state.residents, immigrants, parents, migration, rng)

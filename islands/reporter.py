@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from islands.island import IslandState, Migrants
+from islands.island import IslandState
+from islands.migration import Migrants
 from islands.procedure import steps_text
 from meshops.kernels.quality import FAILED, TRIAS, compound_index
 from meshops.mesh import Floats

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from islands.archipelago import Executor, Schedule, Status
+from islands.archipelago import Executor, Status
 from islands.config import Config
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
@@ -139,14 +139,10 @@ def start_executor(job: Job, deadline: float, heed: Callable[[], None] = lambda:
     """
     config = job.config
     if config.backend == "local":
-        return LocalExecutor(
-            config.breeding, config.genes, workers=config.workers, deadline=deadline, heed=heed
-        )
+        return LocalExecutor(config.plans, workers=config.workers, deadline=deadline, heed=heed)
     from islands.executors.ray import RayExecutor
 
-    return RayExecutor(
-        config.breeding, config.genes, address=config.address, deadline=deadline, heed=heed
-    )
+    return RayExecutor(config.plans, address=config.address, deadline=deadline, heed=heed)
 
 
 def improve(
@@ -227,7 +223,7 @@ def _evolve(
     is_enough: Callable[[ShellMesh], bool],
 ) -> Evolution:
     config, problem = job.config, job.problem
-    schedule = Schedule(config.islands, config.generations, config.migration)
+    schedule = config.schedule
     if config.operation:
         return evolve_alone(problem, job.mesh, config, record, started)
     if config.profile == "paper":

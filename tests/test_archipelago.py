@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from islands.archipelago import (
-    Migration,
     Result,
     Schedule,
     TimeUpError,
@@ -16,7 +16,9 @@ from islands.archipelago import (
 from islands.executors.local import LocalExecutor
 from islands.genetics import Breeding
 from islands.integration_ga import Work
-from islands.island import IslandState, Migrants
+from islands.island import IslandPlan, IslandState
+from islands.migration import Migrants, Migration
+from islands.topology import Topology
 from tests.decks import bad_plate
 from tests.jobs import problem_of
 
@@ -63,6 +65,8 @@ class ScriptedExecutor:
                 generation=before.generation + 1,
                 genomes=np.full((2, 3), before.island),
                 fitness=np.full(2, fitness),
+                tallies=np.zeros((2, 1)),
+                leaving=np.arange(2),
                 best_fitness=fitness,
                 best_tally=np.array([before.generation + 1.0]),
                 evaluations=before.evaluations + 7,
@@ -72,18 +76,31 @@ class ScriptedExecutor:
         pass
 
 
+def schedule(
+    islands: int,
+    generations: int,
+    every: int = 1,
+    delay: int = 0,
+    topology: Topology = Topology(),  # noqa: B008 - a value
+    migration: Migration = Migration(),  # noqa: B008
+) -> Schedule:
+    plan = IslandPlan(Breeding(individuals=3), 3, migration)
+    return Schedule((plan,) * islands, generations, topology.links(islands), every, delay)
+
+
 def evolve(
     order: Sequence[int],
     works: Sequence[Goal] = (Goal(),),
     generations: int = 5,
     error: type[BaseException] | None = None,
+    **settings: Any,
 ) -> tuple[ScriptedExecutor, list[Move], list[tuple[int, int]], Result]:
     executor = ScriptedExecutor(order, error)
     moves: list[Move] = []
     watched: list[tuple[int, int]] = []
     result = evolve_archipelago(
         works,  # type: ignore[arg-type]
-        Schedule(len(order), generations, Migration(every=2, count=1)),
+        schedule(len(order), generations, every=2, **settings),
         executor,  # type: ignore[arg-type]
         lambda island, states: watched.append((island, len(states))),
         lambda state, target, _: moves.append(
@@ -146,13 +163,46 @@ def test_what_was_found_until_the_end_is_kept(error: type[BaseException], status
 def test_a_work_comes_out_the_same_whatever_is_beside_it() -> None:
     meshes = [bad_plate(4, 3, seed) for seed in (0, 1, 2)]
     works = [Work(problem_of(mesh), mesh) for mesh in meshes]
-    schedule = Schedule(2, 2, Migration(every=1, count=1))
+    plan = schedule(2, 2)
 
     def best(some: list[Work]) -> list[tuple[float, bytes]]:
-        executor = LocalExecutor(Breeding(individuals=3), 3)
-        result = evolve_archipelago(some, schedule, executor, lambda *_: None, lambda *_: None)
+        executor = LocalExecutor(plan.plans)
+        result = evolve_archipelago(some, plan, executor, lambda *_: None, lambda *_: None)
         return [(state.best_fitness, state.best_tally.tobytes()) for state in result.best]
 
     together = best(works)
     assert together == [best([work])[0] for work in works]
     assert together[::-1] == best(works[::-1])
+
+
+@pytest.mark.parametrize("delay", [0, 1, 2])
+def test_migrants_of_an_epoch_arrive_a_fixed_number_of_epochs_later(delay: int) -> None:
+    executor, moves, _, _ = evolve([2, 0, 1], generations=9, delay=delay)
+    for _, generation, island, fitness in executor.arrived:
+        sent, source = divmod(fitness % 100, 10)
+        assert island == (source + 1) % 3
+        assert generation == sent + 1 + 2 * delay
+        assert (0, sent, source, island) in moves
+    assert {generation for _, generation, _, _ in executor.arrived} == set(
+        range(2 + 2 * delay, 10, 2)
+    )
+
+
+def test_what_moves_is_gone_and_goes_to_one_neighbour_alone() -> None:
+    star = Topology("star")
+    executor, moves, _, _ = evolve([0, 1, 2], generations=2, topology=star,
+                                   migration=Migration(count=2, moves=True))  # fmt: skip
+    # the middle deals two individuals to two neighbours, each of which sends both of its own
+    assert sorted((source, target) for _, _, source, target in moves) == [
+        (0, 1), (0, 2), (1, 0), (2, 0)
+    ]  # fmt: skip
+    assert [island for _, _, island, _ in executor.arrived] == [0, 1, 2]
+    state = replace(IslandState.first(0, 0), fitness=np.array([3.0, 4.0]))
+    assert state.without(np.array([1])).fitness.tolist() == [3.0, -np.inf]
+    assert state.fitness.tolist() == [3.0, 4.0]
+
+
+def test_without_links_islands_stay_alone() -> None:
+    executor, moves, _, _ = evolve([0, 1, 2], topology=Topology("unconnected"))
+    assert not executor.arrived
+    assert not moves

@@ -1,9 +1,19 @@
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from islands.genetics import Breeding, crossover, mutate, next_generation, roulette
+from islands.genetics import (
+    Breeding,
+    crossover,
+    mutate,
+    next_generation,
+    rank_roulette,
+    roulette,
+    tournament,
+)
 
 
 def rng(seed: int = 0) -> np.random.Generator:
@@ -48,6 +58,34 @@ def test_crossover_swaps_tails_at_one_point() -> None:
         assert first[-1] == 1
 
 
+def test_a_tournament_is_won_by_the_fitter_of_two() -> None:
+    drawn = tournament(np.array([5.0, -np.inf, 9.0]), 40_000, rng())
+    share = np.bincount(drawn, minlength=3) / len(drawn)
+    assert share == pytest.approx([3 / 9, 1 / 9, 5 / 9], abs=0.01)
+
+
+def test_ranks_select_whatever_the_distances() -> None:
+    fitness = np.array([99.9, 3.0, 100.0, -np.inf])
+    drawn = rank_roulette(fitness, 40_000, rng())
+    share = np.bincount(drawn, minlength=4) / len(drawn)
+    assert share == pytest.approx([1 / 3, 0, 2 / 3, 0], abs=0.01)
+
+
+def test_two_points_bound_what_is_exchanged() -> None:
+    parents = np.array([[0] * 8, [1] * 8] * 200)
+    children = crossover(parents, 1.0, rng(), recombination="two-point")
+    changes = np.abs(np.diff(children[::2], axis=1)).sum(axis=1)
+    assert set(changes) == {0, 1, 2}
+    assert (children[::2] + children[1::2] == 1).all()
+
+
+def test_uniform_crossover_exchanges_half_of_the_genes() -> None:
+    parents = np.array([[0] * 8, [1] * 8] * 2_000)
+    children = crossover(parents, 0.6, rng(), recombination="uniform")
+    assert (children[::2] + children[1::2] == 1).all()
+    assert children[::2].mean() == pytest.approx(0.3, abs=0.02)
+
+
 def test_crossover_happens_at_its_rate() -> None:
     parents = np.array([[0] * 8, [1] * 8] * 5_000)
     children = crossover(parents, 0.95, rng())[::2]
@@ -68,16 +106,30 @@ def test_mutation_draws_genes_anew_at_its_rate() -> None:
     st.integers(1, 7),
     st.integers(0, 3),
     st.sampled_from(["proportional", "window"]),
+    st.sampled_from(["roulette", "tournament", "rank"]),
+    st.sampled_from(["single-point", "two-point", "uniform"]),
     st.integers(0, 2**32),
 )
 def test_generations_keep_size_and_bounds(
-    individuals: int, genes: int, elites: int, scaling: str, seed: int
+    individuals: int,
+    genes: int,
+    elites: int,
+    scaling: Any,
+    selection: Any,
+    recombination: Any,
+    seed: int,
 ) -> None:
     random = rng(seed)
     bounds = random.integers(1, 9, genes)
     genomes = random.integers(0, bounds, (individuals, genes))
     fitness = random.normal(size=individuals)
-    breeding = Breeding(individuals=individuals, elites=elites, scaling=scaling)  # type: ignore[arg-type]
+    breeding = Breeding(
+        individuals=individuals,
+        elites=elites,
+        scaling=scaling,
+        selection=selection,
+        recombination=recombination,
+    )
     fresh = random.integers(0, bounds, (individuals, genes))
     following = next_generation(genomes, fitness, fresh, breeding, random)
     assert following.shape == genomes.shape

@@ -21,9 +21,9 @@ from islands.integration_ga import (
     Workbench,
     run_task,
 )
-from islands.island import IslandState, emigrants, settle, step
+from islands.island import IslandPlan, IslandState, step
+from islands.migration import Migration
 from islands.procedure import perform_steps
-from islands.topology import ring
 from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import NOTHING
@@ -202,12 +202,12 @@ def test_a_work_is_solved_with_no_failed_element_and_the_fewest_trias(mesh: Shel
 
 def test_a_generation_is_a_pure_function_of_state_and_immigrants(mesh: ShellMesh) -> None:
     first, _ = evaluator(mesh)
-    breeding = Breeding(individuals=4)
-    start = step(IslandState.first(0, 0), None, first, breeding, 3)
-    immigrants = emigrants(start, 1)
-    ahead = step(start, immigrants, first, breeding, 3)
+    plan = IslandPlan(Breeding(individuals=4), 3, Migration())
+    start = step(IslandState.first(0, 0), None, first, plan)
+    immigrants = start.residents.take(start.leaving[:1])
+    ahead = step(start, immigrants, first, plan)
     fresh, _ = evaluator(mesh)  # as on a worker that was started anew
-    again = step(start, immigrants, fresh, breeding, 3)
+    again = step(start, immigrants, fresh, plan)
     assert (ahead.genomes == again.genomes).all()
     assert (ahead.fitness == again.fitness).all()
     assert ahead.best_fitness == again.best_fitness >= start.best_fitness
@@ -216,38 +216,14 @@ def test_a_generation_is_a_pure_function_of_state_and_immigrants(mesh: ShellMesh
 def test_what_an_island_does_depends_on_its_mesh_and_not_on_the_number_of_its_work(
     mesh: ShellMesh,
 ) -> None:
-    breeding = Breeding(individuals=4)
+    plan = IslandPlan(Breeding(individuals=4), 3, Migration())
     one, other = (
-        step(IslandState.first(work, 0), None, evaluator(mesh)[0], breeding, 3) for work in (0, 7)
+        step(IslandState.first(work, 0), None, evaluator(mesh)[0], plan) for work in (0, 7)
     )
     assert (one.genomes == other.genomes).all()
     assert (one.tallies == other.tallies).all()
-    third = step(IslandState.first(0, 1), None, evaluator(mesh)[0], breeding, 3)
+    third = step(IslandState.first(0, 1), None, evaluator(mesh)[0], plan)
     assert (one.genomes != third.genomes).any()
-
-
-def test_ring_sends_each_island_to_the_next() -> None:
-    assert ring(1) == []
-    assert ring(3) == [(0, 1), (1, 2), (2, 0)]
-
-
-def state(island: int, fitness: list[float]) -> IslandState:
-    genomes = np.arange(3 * len(fitness)).reshape(-1, 3)
-    return replace(
-        IslandState.first(0, island), generation=1, genomes=genomes, fitness=np.array(fitness)
-    )
-
-
-def test_the_best_leave_as_copies_and_replace_the_worst() -> None:
-    source, target = state(0, [1.0, 9.0, 5.0]), state(1, [4.0, 2.0, 3.0])
-    leaving = emigrants(source, 2)
-    assert leaving.fitness.tolist() == [9.0, 5.0]
-    leaving.genomes[:] = -7
-    assert (source.genomes >= 0).all()
-    settled = settle(target, leaving)
-    assert settled.fitness.tolist() == [4.0, 9.0, 5.0]
-    assert target.fitness.tolist() == [4.0, 2.0, 3.0]
-    assert settle(target, None).fitness.tolist() == [4.0, 2.0, 3.0]
 
 
 # --- settings -----------------------------------------------------------------------------------

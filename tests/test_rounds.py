@@ -9,7 +9,8 @@ import pytest
 from benchmarks.measures import singular_nodes
 from islands.archipelago import TimeUpError
 from islands.executors.local import LocalExecutor
-from islands.island import IslandState, Migrants
+from islands.island import IslandState
+from islands.migration import Migrants
 from islands.procedure import Place, Procedure, Round, Step, perform
 from islands.rates import adapted_rates, credits_of, first_credit, named_rates
 from islands.rounds import moving_on
@@ -183,7 +184,7 @@ class EndingExecutor(LocalExecutor):
 
     def __init__(self, error: type[BaseException], generations: int) -> None:
         config = job(bad_plate()).config
-        super().__init__(config.breeding, config.genes)
+        super().__init__(config.plans)
         self.error = error
         self.left = generations
 
@@ -222,7 +223,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
             raise KeyboardInterrupt
 
     work = job(mesh, slide=False)
-    executor = LocalExecutor(work.config.breeding, work.config.genes)
+    executor = LocalExecutor(work.config.plans)
     try:
         done = run(work, executor, record, 0.0)
     except KeyboardInterrupt:
@@ -235,7 +236,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
 
 def test_without_any_time_the_mesh_stays_as_it_is(mesh: ShellMesh) -> None:
     work = job(mesh, time_limit=60.0, slide=False)
-    executor = LocalExecutor(work.config.breeding, work.config.genes, deadline=-1.0)
+    executor = LocalExecutor(work.config.plans, deadline=-1.0)
     done = finish(work, executor=executor)
     assert done.status == "time-limit"
     assert done.mesh.digest == mesh.digest == replayed(mesh, done).digest

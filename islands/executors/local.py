@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 
 from islands.archipelago import TimeUpError
 from islands.executors.pool import PoolRunner
-from islands.genetics import Breeding
 from islands.integration_ga import (
     REMEMBERED_BYTES,
     Evaluator,
@@ -20,7 +19,8 @@ from islands.integration_ga import (
     Workbench,
     run_task,
 )
-from islands.island import IslandState, Migrants, step
+from islands.island import IslandPlan, IslandState, step
+from islands.migration import Migrants
 
 
 def _never() -> None:
@@ -67,15 +67,13 @@ class LocalExecutor:
 
     def __init__(
         self,
-        breeding: Breeding,
-        genes: int,
+        plans: Sequence[IslandPlan],
         *,
         workers: int = 1,
         deadline: float = float("inf"),
         heed: Callable[[], None] = _never,
     ) -> None:
-        self._breeding = breeding
-        self._genes = genes
+        self._plans = plans
         self._workers = workers
         self._pool: PoolRunner | None = None
         self._deadline = deadline
@@ -103,7 +101,7 @@ class LocalExecutor:
         """Step the islands in turn."""
         for state, immigrants in steps:
             scorer = self._evaluators[state.work]
-            yield step(state, immigrants, scorer, self._breeding, self._genes)
+            yield step(state, immigrants, scorer, self._plans[state.island])
 
     def close(self) -> None:
         """End the worker processes, if any."""

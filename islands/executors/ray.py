@@ -24,9 +24,9 @@ from ray.exceptions import RayError, RayTaskError
 
 from islands.archipelago import TimeUpError
 from islands.executors.local import evaluator
-from islands.genetics import Breeding
 from islands.integration_ga import Evaluator, Handle, Outcome, Task, Work, Workbench, run_task
-from islands.island import IslandState, Migrants, step
+from islands.island import IslandPlan, IslandState, step
+from islands.migration import Migrants
 from meshops.errors import InputError
 
 TRIES = 3
@@ -60,10 +60,9 @@ class _Islands:
     works each is small, its operation GAs take milliseconds, and they run here.
     """
 
-    def __init__(self, works: list[Any], breeding: Breeding, genes: int) -> None:
+    def __init__(self, works: list[Any], plans: Sequence[IslandPlan]) -> None:
         self._works = works
-        self._breeding = breeding
-        self._genes = genes
+        self._plans = plans
         self._bench = Workbench()
         self._evaluators: dict[int, Evaluator] = {}
 
@@ -76,7 +75,7 @@ class _Islands:
         try:
             for state, immigrants in steps:
                 scorer = self._evaluator(state.work, seconds)
-                states.append(step(state, immigrants, scorer, self._breeding, self._genes))
+                states.append(step(state, immigrants, scorer, self._plans[state.island]))
         except TimeUpError:
             pass
         return states
@@ -107,8 +106,7 @@ class RayExecutor:
 
     def __init__(
         self,
-        breeding: Breeding,
-        genes: int,
+        plans: Sequence[IslandPlan],
         *,
         address: str | None = None,
         deadline: float = float("inf"),
@@ -116,8 +114,7 @@ class RayExecutor:
     ) -> None:
         self._heed = heed
         self._started_ray = connect(address)
-        self._breeding = breeding
-        self._genes = genes
+        self._plans = plans
         # actors may be on machines with another monotonic clock
         self._deadline = time.time() + deadline - time.monotonic()
         self._cpus = max(1, int(ray.cluster_resources().get("CPU", 1)))
@@ -175,7 +172,7 @@ class RayExecutor:
 
     def _ask(self, actor: int, share: list[tuple[IslandState, Migrants | None]]) -> Any:
         if actor not in self._actors:
-            self._actors[actor] = _Actor.remote(self._works, self._breeding, self._genes)
+            self._actors[actor] = _Actor.remote(self._works, self._plans)
         return self._actors[actor].step.remote(share, self._deadline)
 
     def _forget(self, actor: int) -> None:
