@@ -13,7 +13,7 @@ from islands.archipelago import Schedule
 from islands.genetics import Breeding
 from islands.island import IslandPlan
 from islands.migration import GivingWay, Leaving, Migration
-from islands.rounds import Plan
+from islands.search import Plan
 from islands.topology import Link, Topology, TopologyKind
 from meshops.errors import InputError
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation

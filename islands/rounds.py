@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -14,14 +14,15 @@ from islands.island import IslandState
 from islands.procedure import Round, perform
 from islands.rates import adapted_rates, credits_of, first_credit, flow_rates, named_rates
 from islands.reporter import Reporter
+from islands.search import Evolution, Plan, SearchState, Watchers
 from islands.sliding import slid
 from islands.stitching import stitched, subdomain_work
 from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS
 from meshops.mesh import Floats, ShellMesh
 from meshops.reference import Reference
-from meshops.subdomain import Aim, Extent, Subdomain, places, subdomains
+from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Workpiece
-from tracking.events import Event, RoundReport
+from tracking.events import RoundReport
 
 BATCH = 64
 """Subdomains that are evolved at the same time, which bounds the memory."""
@@ -46,159 +47,147 @@ DENSE, DENSE_LEVEL = 0.1, 2
 """Share of bad places among the elements from which the first extent is this one."""
 
 
-@dataclass(frozen=True)
-class Plan:
-    """Which subdomains are cut out in which round.
-
-    Attributes
-    ----------
-    extents : tuple of Extent
-        From small to large; the next one follows where a round has gained too little.
-    rounds : int
-        The most.
-    patience : int
-        Times that all extents bring no gain, one after the other, after which the run ends.
-    flow : int
-        The most rounds for a better flow: one after each time that all extents bring no gain, and
-        the others once there are no faults left.
-    tidy : int
-        The most rounds at the end for a better flow where elements are new.
-    """
-
-    extents: tuple[Extent, ...]
-    rounds: int
-    patience: int
-    flow: int
-    tidy: int
-
-
-@dataclass(frozen=True, eq=False)
-class Evolution:
-    """What rounds made of a mesh."""
-
-    mesh: ShellMesh
-    rounds: tuple[Round, ...]
-    evaluations: int
-    status: Status
-    reason: str
-
-
 def evolve_rounds(
     problem: Problem,
-    mesh: ShellMesh,
+    start: ShellMesh | SearchState,
     reference: Reference,
     plan: Plan,
     schedule: Schedule,
     executor: Executor,
-    record: Callable[[Event], None],
-    started: float,
-    is_enough: Callable[[ShellMesh], bool],
+    watch: Watchers,
 ) -> Evolution:
     """Evolve procedures for all bad places of a mesh, round by round, until nothing improves.
 
-    A mesh that `is_enough` ends it earlier.
-
     What one subdomain becomes does not depend on the others of its round, so the work grows with
-    the number of bad places and can be shared out.
+    the number of bad places and can be shared out. A search that starts from a state goes on as
+    the one that was there, and ends with the same mesh.
     """
-    search = _Search(problem, mesh, reference, plan, schedule, executor, record, started, is_enough)
-    return search.run()
+    return _Search(problem, reference, plan, schedule, executor, watch).run(start)
 
 
 class _Search:
     """A search on its way from round to round."""
 
+    state: SearchState
+    workpiece: Workpiece
+    best: Workpiece
+
     def __init__(
         self,
         problem: Problem,
-        mesh: ShellMesh,
         reference: Reference,
         plan: Plan,
         schedule: Schedule,
         executor: Executor,
-        record: Callable[[Event], None],
-        started: float,
-        is_enough: Callable[[ShellMesh], bool],
+        watch: Watchers,
     ) -> None:
         self.problem = problem
         self.reference = reference
         self.plan = plan
         self.schedule = schedule
         self.executor = executor
-        self.record = record
-        self.started = started
-        self.is_enough = is_enough
-        self.workpiece = Workpiece(mesh, problem.setting)
-        self.best = self.workpiece
-        self.rounds: list[Round] = []
-        self.best_rounds = 0
-        self.credit = first_credit(problem)
-        self.evaluations = 0
-        self.batches = 0
-        self.level = self.first_level = self._first_level()
-        self.cycle = 0
-        self.aim: Aim = "faults"
-        self.flows_left = plan.flow
-        self.flows_in_vain = 0
+        self.watch = watch
 
-    def _first_level(self) -> int:
-        """Larger subdomains at once where places are dense, and small ones would be in the way."""
-        share = len(places(self.workpiece)) / max(len(self.workpiece.mesh.elements), 1)
-        return min(DENSE_LEVEL, len(self.plan.extents) - 1) if share > DENSE else 0
-
-    def run(self) -> Evolution:
+    def run(self, start: ShellMesh | SearchState) -> Evolution:
         """Go on from round to round until there is a reason to stop."""
         status: Status = "finished"
-        reason = "all rounds are done"
+        self.state = start if isinstance(start, SearchState) else self._first(start)
+        self.workpiece = Workpiece(self.state.mesh, self.problem.setting)
+        self.best = Workpiece(self.state.best, self.problem.setting)
         try:
-            if self.plan.rounds:
+            if not isinstance(start, SearchState) and self.plan.rounds:
                 self._slide()
-            for turn in range(self.plan.rounds + self.plan.flow):
-                found = subdomains(self.workpiece, self._extent, turn, self.aim)
-                if found:
-                    status = self._do_round(turn, found)
-                elif not self._looks_elsewhere():
-                    reason = "nothing is left to gain"
-                    break
-                if status != "finished":
-                    break
-                if self.is_enough(self.best.mesh):
-                    reason = "the mesh is good enough"
-                    break
-                if self.cycle > self.plan.patience:
-                    reason = f"{self.plan.patience} cycles brought no gain"
-                    break
-            if status == "finished":
-                status = self._tidy()
+            kept = -1
+            while status == "finished" and not self.state.is_done:
+                if self.state.reports > kept:
+                    kept = self.state.reports
+                    self.watch.keep(self.state)
+                status = self._tidy() if self.state.reason else self._go_on()
         except KeyboardInterrupt:
             status = "interrupted"
-        rounds = tuple(self.rounds[: self.best_rounds])
-        return Evolution(self.best.mesh, rounds, self.evaluations, status, reason)
+        state = self.state
+        rounds = state.rounds[: state.best_rounds]
+        return Evolution(state.best, rounds, state.evaluations, status, state.reason)
+
+    def _first(self, mesh: ShellMesh) -> SearchState:
+        # larger subdomains at once where places are dense, and small ones would be in the way
+        share = len(places(Workpiece(mesh, self.problem.setting))) / max(len(mesh.elements), 1)
+        level = min(DENSE_LEVEL, len(self.plan.extents) - 1) if share > DENSE else 0
+        return SearchState(
+            mesh=mesh,
+            best=mesh,
+            rounds=(),
+            best_rounds=0,
+            credit=first_credit(self.problem),
+            turn=0,
+            batches=0,
+            evaluations=0,
+            reports=0,
+            level=level,
+            first_level=level,
+            cycle=0,
+            aim="faults",
+            flows_left=self.plan.flow,
+            flows_in_vain=0,
+            reason="",
+            is_done=False,
+        )
+
+    def _set(self, **changes: Any) -> None:
+        self.state = replace(self.state, **changes)
+
+    def _take(self, mesh: ShellMesh, done: Round) -> None:
+        """Go on with the mesh that a round has made."""
+        self.workpiece = Workpiece(mesh, self.problem.setting)
+        self._set(mesh=mesh, rounds=(*self.state.rounds, done))
+
+    def _go_on(self) -> Status:
+        """Do a round, or find another extent or aim for the next, or a reason to end."""
+        turn = self.state.turn
+        if turn == self.plan.rounds + self.plan.flow:
+            return self._end("all rounds are done")
+        self._set(turn=turn + 1)
+        found = subdomains(self.workpiece, self._extent, turn, self.state.aim)
+        if not found:
+            if self._looks_elsewhere():
+                return "finished"
+            return self._end("nothing is left to gain")
+        status = self._do_round(turn, found)
+        if status == "finished":
+            if self.watch.is_enough(self.state.best):
+                self._end("the mesh is good enough")
+            elif self.state.cycle > self.plan.patience:
+                self._end(f"{self.plan.patience} cycles brought no gain")
+        return status
 
     def _looks_elsewhere(self) -> bool:
         """Go on where no subdomain was found with a larger extent, or for a better flow."""
-        if self.aim != "faults":
+        if self.state.aim != "faults":
             return False
         if self._has_larger_extent and len(places(self.workpiece)):
-            self.level += 1  # each fault's subdomain has a border that allows no less
-        elif self.flows_left:
-            self.aim = "flow"
+            # each fault's subdomain has a border that allows no less
+            self._set(level=self.state.level + 1)
+        elif self.state.flows_left:
+            self._set(aim="flow")
         else:
             return False
         return True
 
+    def _end(self, reason: str) -> Status:
+        """Give the reason; what tidies is left, as many rounds from here on."""
+        self._set(reason=reason, aim="tidy", turn=0)
+        return "finished"
+
     def _tidy(self) -> Status:
         """Let the irregular nodes vanish that came with new elements, from the fittest mesh on."""
-        self.aim = "tidy"
-        status: Status = "finished"
-        for turn in range(self.plan.tidy):
-            self.workpiece = self.best
-            del self.rounds[self.best_rounds :]
-            found = subdomains(self.workpiece, self._extent, turn, self.aim)
-            if not found or status != "finished":
-                break
-            status = self._do_round(turn, found)
-        return status
+        state, turn = self.state, self.state.turn
+        self.workpiece = self.best
+        self._set(mesh=state.best, rounds=state.rounds[: state.best_rounds], turn=turn + 1)
+        found = subdomains(self.workpiece, TIDY, turn, "tidy") if turn < self.plan.tidy else []
+        if found:
+            return self._do_round(turn, found)
+        self._set(is_done=True)
+        return "finished"
 
     def _slide(self) -> None:
         """Let border nodes slide, before anything else, where fewer elements fail by that."""
@@ -206,36 +195,32 @@ class _Search:
         if done is None or done.extent is None:
             return
         mesh, setting = self.workpiece.mesh, self.problem.setting
-        mesh = perform(mesh, (done,), self.problem.operations, setting, self.reference)
-        self.workpiece = self.best = Workpiece(mesh, setting)
-        self.rounds.append(done)
-        self.best_rounds = 1
-        problem = replace(self.problem, weights=adapted_rates(self.credit))
+        self._take(perform(mesh, (done,), self.problem.operations, setting, self.reference), done)
+        self.best = self.workpiece
+        self._set(best=self.state.mesh, best_rounds=1)
+        problem = replace(self.problem, weights=adapted_rates(self.state.credit))
         self._report(done, done.extent, problem, [], [])
 
     def _do_round(self, turn: int, found: list[Subdomain]) -> Status:
-        before, extent = self.workpiece, self._extent
-        if self.aim == "faults":
+        before, extent, state = self.workpiece, self._extent, self.state
+        if state.aim == "faults":
             # the first round takes what can be had without any harm: soon there is a better mesh
             problem = self.problem
-            if self.batches:
-                problem = moving_on(problem, self.cycle, before.tally)
-            problem = replace(problem, weights=adapted_rates(self.credit), turn=turn)
+            if state.batches:
+                problem = moving_on(problem, state.cycle, before.tally)
+            problem = replace(problem, weights=adapted_rates(state.credit), turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
-        works = [
-            subdomain_work(problem, self.reference, subdomain, self.aim) for subdomain in found
-        ]
+        works = [subdomain_work(problem, self.reference, part, state.aim) for part in found]
         states, status = self._evolve(works)
-        empty = Round(extent, turn, (), self.aim)
+        empty = Round(extent, turn, (), state.aim)
         done, mesh = stitched(before.mesh, empty, found, works, states)
-        self.workpiece = Workpiece(mesh, self.problem.setting)
-        self.rounds.append(done)
+        self._take(mesh, done)
         self._report(done, extent, problem, works, states)
-        if self.aim == "faults":
-            self.credit = FADING * self.credit + credits_of(done, problem)
+        if state.aim == "faults":
+            self._set(credit=FADING * state.credit + credits_of(done, problem))
             self._compare(before, problem, len(works))
-        elif self.aim == "flow":
+        elif state.aim == "flow":
             self._compare_flow()
         else:
             self._remember()
@@ -245,9 +230,10 @@ class _Search:
         """Evolve the works batch by batch; fewer states than works where time is up."""
         tally = self.workpiece.tally
         # more effort where less of it, or less room, was not enough
-        grown = max(self.level - self.first_level, 0) + self.cycle
-        if self.aim != "faults":
-            grown = self.flows_in_vain
+        now = self.state
+        grown = max(now.level - now.first_level, 0) + now.cycle
+        if now.aim != "faults":
+            grown = now.flows_in_vain
         generations = min(grown, self.schedule.generations)
         effort = replace(self.schedule, generations=generations)
         states: list[IslandState] = []
@@ -255,18 +241,20 @@ class _Search:
             batch = works[first : first + BATCH]
             roots = np.stack([work.root.tally for work in batch])
             reporter = Reporter(
-                record=self.record,
+                record=self.watch.record,
                 setting=self.problem.setting,
                 operations=self.problem.operations,
                 tally=tally,
                 roots=roots,
-                generation=self.batches * (self.schedule.generations + 1),
-                evaluations=self.evaluations,
-                started=self.started,
+                generation=self.state.batches * (self.schedule.generations + 1),
+                evaluations=self.state.evaluations,
+                started=self.watch.started,
             )
             result = evolve_archipelago(batch, effort, self.executor, reporter.watch, reporter.post)
-            self.batches += 1
-            self.evaluations += result.evaluations
+            self._set(
+                batches=self.state.batches + 1,
+                evaluations=self.state.evaluations + result.evaluations,
+            )
             states += result.best
             for state, root in zip(result.best, roots, strict=True):
                 if state.best_steps:
@@ -284,19 +272,18 @@ class _Search:
         else:
             gained = float(np.abs(tally - before.tally)[[FAILED, TRIAS]].sum())
         if self._has_larger_extent:
-            self.level += gained < WORTHWHILE * works
+            self._set(level=self.state.level + (gained < WORTHWHILE * works))
         elif not gained:
-            self.cycle, self.level = self.cycle + 1, 0
-            self.aim = "flow" if self.flows_left else "faults"
+            aim = "flow" if self.state.flows_left else "faults"
+            self._set(cycle=self.state.cycle + 1, level=0, aim=aim)
 
     def _compare_flow(self) -> None:
         """Remember the fittest mesh, and go on while that brings something and faults do not."""
-        self.flows_left -= 1
-        self.flows_in_vain = 0 if self._remember() else self.flows_in_vain + 1
-        if self.flows_in_vain == FLOW_PATIENCE * self.plan.patience:
-            self.flows_left = 0
-        if len(places(self.workpiece)) or not self.flows_left:
-            self.aim = "faults"
+        in_vain = 0 if self._remember() else self.state.flows_in_vain + 1
+        is_over = in_vain == FLOW_PATIENCE * self.plan.patience
+        left = 0 if is_over else self.state.flows_left - 1
+        aim = "faults" if len(places(self.workpiece)) or not left else "flow"
+        self._set(flows_left=left, flows_in_vain=in_vain, aim=aim)
 
     def _remember(self) -> bool:
         """Remember the mesh if it is the fittest so far; whether it is."""
@@ -304,20 +291,22 @@ class _Search:
             return False
         fitness = self.problem.fitness
         if fitness.of_faults(self.workpiece.tally) > fitness.of_faults(self.best.tally):
-            self.cycle = 0
-        self.best, self.best_rounds = self.workpiece, len(self.rounds)
+            self._set(cycle=0)
+        self.best = self.workpiece
+        self._set(best=self.state.mesh, best_rounds=len(self.state.rounds))
         return True
 
     @property
     def _extent(self) -> Extent:
-        return {"faults": self.plan.extents[self.level], "flow": FLOW, "tidy": TIDY}[self.aim]
+        state = self.state
+        return {"faults": self.plan.extents[state.level], "flow": FLOW, "tidy": TIDY}[state.aim]
 
     def _fitness(self, workpiece: Workpiece) -> float:
         return float(workpiece.fitness(workpiece.tally[None])[0])
 
     @property
     def _has_larger_extent(self) -> bool:
-        return self.level + 1 < len(self.plan.extents)
+        return self.state.level + 1 < len(self.plan.extents)
 
     def _report(
         self,
@@ -332,7 +321,8 @@ class _Search:
             bool(state.best_steps) and work.is_solved(state.best_tally)
             for work, state in zip(works, states, strict=False)
         ]
-        self.record(
+        self._set(reports=self.state.reports + 1)
+        self.watch.record(
             RoundReport(
                 turn=done.turn,
                 rings=extent.rings,
@@ -342,8 +332,8 @@ class _Search:
                 failed=int(tally[FAILED]),
                 trias=int(tally[TRIAS]),
                 irregular=int(tally[IRREGULAR]),
-                evaluations=self.evaluations,
-                seconds=time.monotonic() - self.started,
+                evaluations=self.state.evaluations,
+                seconds=time.monotonic() - self.watch.started,
                 rates=named_rates(problem),
             )
         )

@@ -16,7 +16,8 @@ from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
 from islands.procedure import Procedure, Round
 from islands.replay import read_procedure
-from islands.rounds import Evolution, evolve_rounds
+from islands.rounds import evolve_rounds
+from islands.search import Evolution, Watchers
 from islands.transfer import transfer
 from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
@@ -233,9 +234,8 @@ def _evolve(
     if job.known:
         mesh, rounds = transfer(job.known, mesh, ALL_OPERATIONS, problem.setting)
     reference = Reference(job.mesh, problem.setting.feature_angle)
-    evolution = evolve_rounds(
-        problem, mesh, reference, config.plan, schedule, executor, record, started, is_enough
-    )
+    watch = Watchers(record, lambda _: None, is_enough, started)
+    evolution = evolve_rounds(problem, mesh, reference, config.plan, schedule, executor, watch)
     return replace(evolution, rounds=rounds + evolution.rounds)
 
 

@@ -15,7 +15,7 @@ from islands.island import IslandState
 from islands.operation_ga import generations
 from islands.procedure import Place, Round, Step, perform_steps
 from islands.reporter import Reporter
-from islands.rounds import Evolution
+from islands.search import Evolution
 from meshops.mesh import ShellMesh
 from meshops.workpiece import Workpiece
 from tracking.events import Event
