@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from islands.config import Config
     from islands.run import Finished
     from tracking.events import Recorder
@@ -148,16 +150,45 @@ def optimize(
     **options: Any,
 ) -> None:
     """Evolve a repair procedure for a mesh and write the better mesh."""
+    from islands import session
     from islands.config import load_config
 
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
     if "size" in given:
         given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
-    done = _optimize(mesh, out, config, overwrite=overwrite, quiet=quiet)
-    click.echo(f"{_closing_words(done)} All files are in {out}.")
-    if done.status == "interrupted":
-        sys.exit(INTERRUPTED)
+    _end(session.optimize(mesh, out, config, _listeners(quiet), overwrite=overwrite), out)
+
+
+@cli.command()
+@click.argument("folder", type=_PATH)
+@click.option("--backend", type=click.Choice(["local", "ray"]))
+@click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
+@click.option("--workers", type=int, metavar="N", help="Processes of this machine.")
+@click.option("--time-limit", type=float, metavar="SECONDS")
+@click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def resume(folder: Path, *, quiet: bool, **options: Any) -> None:
+    """Go on with a run that was interrupted; it ends with the mesh that it would have had."""
+    from islands import session
+
+    given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    done = session.resume(folder, given, _listeners(quiet), _tell)
+    if done is None:
+        click.echo(f"The run in {folder} has ended already.")
+    else:
+        _end(done, folder)
+
+
+@cli.command()
+@click.option("--profile", type=click.Choice(["default", "thorough", "paper"]))
+@click.option("--config", "config_file", type=_PATH, metavar="FILE.toml")
+def config(config_file: Path | None, profile: str | None) -> None:
+    """Print all settings in full, as a file for --config."""
+    from islands.config import load_config
+
+    given = {} if profile is None else {"profile": profile}
+    click.echo(load_config(config_file, given).to_toml(), nl=False)
 
 
 @cli.command()
@@ -230,54 +261,26 @@ def dashboard(port: int) -> None:
     sys.exit(serve_dashboard(port, announce=click.echo))
 
 
-def _optimize(source: Path, out: Path, config: Config, *, overwrite: bool, quiet: bool) -> Finished:
-    import time
+def _listeners(quiet: bool) -> Callable[[Config], Sequence[Recorder]]:  # noqa: FBT001
+    """Show progress and tell MLflow, as far as that is wanted."""
 
-    from islands.interruption import Interruption
-    from islands.results import prepare_folder, write_results
-    from islands.run import Job, run, start_executor
-    from meshops.criteria_files import load_criteria
-    from meshops.formats import read_deck
-    from tracking.events import Event, GenerationReport
+    def make(config: Config) -> Sequence[Recorder]:
+        from tracking.mlflow_recorder import MlflowRecorder
+        from tracking.progress import progress
 
-    started = time.monotonic()
-    deck = read_deck(source)
-    job = Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
-    interruption = Interruption()
-    deadline = started + (config.time_limit or float("inf"))
-    executor = start_executor(job, deadline, interruption.heed)
-    try:
-        prepare_folder(out, source, overwrite=overwrite)
-        recorder = _recorder(out, config, quiet=quiet)
+        found: list[Recorder] = [] if quiet else [progress(sys.stdout)]
+        if config.track != "off":
+            found.append(MlflowRecorder(config.track, notify=_tell))
+        return found
 
-        def record(event: Event) -> None:
-            recorder.record(event)
-            if isinstance(event, GenerationReport):
-                interruption.heed()
-
-        try:
-            with interruption:  # after Ray has set its own signals
-                done = run(job, executor, record, started)
-                recorder.keep(write_results(out, job, deck, source, done))
-        finally:
-            recorder.close()
-    finally:
-        executor.close()
-    return done
+    return make
 
 
-def _recorder(out: Path, config: Config, *, quiet: bool) -> Recorder:
-    from tracking.fanout import Fanout
-    from tracking.journal import Journal
-    from tracking.mlflow_recorder import MlflowRecorder
-    from tracking.progress import progress
-
-    recorders: list[Recorder] = [Journal(out)]
-    if not quiet:
-        recorders.append(progress(sys.stdout))
-    if config.track != "off":
-        recorders.append(MlflowRecorder(config.track, notify=_tell))
-    return Fanout(recorders)
+def _end(done: Finished, out: Path) -> None:
+    click.echo(f"{_closing_words(done)} All files are in {out}.")
+    if done.status == "interrupted":
+        click.echo(f"Go on with: meshipelago resume {out}")
+        sys.exit(INTERRUPTED)
 
 
 def _tell(sentence: str) -> None:

@@ -53,6 +53,10 @@ ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
 """What running one operation GA alone sets: the settings of section 4.1 for it."""
 
 
+FREE = {"backend", "address", "workers", "time_limit", "track"}
+"""Settings that another run may have that ends with the same mesh: where, how long and in how many
+processes it works, and who is told of it."""
+
 _MODEL = ConfigDict(
     frozen=True,
     extra="forbid",
@@ -205,6 +209,21 @@ class Config(BaseModel):
             for number in range(self.islands)
         ]
         return tuple(IslandPlan(config.breeding, self.genes, migration) for config in configs)
+
+    @property
+    def decisive(self) -> dict[str, Any]:
+        """What the answer depends on: all settings but `FREE`."""
+        return self.model_dump(mode="json", exclude=FREE)
+
+    def to_toml(self) -> str:
+        """All settings as a file that loads back equal, paths from the root."""
+        import tomli_w
+
+        values = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        for key in ("criteria", "size", "warm-start"):
+            if isinstance(values.get(key), str) and Path(values[key]).exists():
+                values[key] = str(Path(values[key]).resolve())
+        return tomli_w.dumps({key: value for key, value in values.items() if value != []})
 
     def flat(self) -> dict[str, str | int | float | bool]:
         """All settings as the keys of a TOML file; those that are not set are left out."""

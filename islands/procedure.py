@@ -148,7 +148,6 @@ class Procedure:
 
     def to_json(self, operations: tuple[Operation, ...]) -> str:
         """Write as JSON."""
-        names = {operation.code: operation.name for operation in operations} | {NOTHING: "nothing"}
         document = {
             "format": FORMAT,
             "mesh": self.mesh,
@@ -161,27 +160,7 @@ class Procedure:
             "feature_angle": self.feature_angle,
             "slides": self.slides,
             "seed": self.seed,
-            "rounds": [
-                {
-                    "extent": None if r.extent is None else [r.extent.rings, r.extent.elements],
-                    "turn": r.turn,
-                    "aim": r.aim,
-                    "places": [
-                        {
-                            "centre": place.centre,
-                            "steps": [
-                                {
-                                    "operation": names[step.code],
-                                    "parameters": step.parameters.tolist(),
-                                }
-                                for step in place.steps
-                            ],
-                        }
-                        for place in r.places
-                    ],
-                }
-                for r in self.rounds
-            ],
+            "rounds": [round_document(done, operations) for done in self.rounds],
         }
         return json.dumps(document) + "\n"
 
@@ -191,7 +170,6 @@ class Procedure:
 
         Raises InputError where the text is no such document.
         """
-        codes = {operation.name: operation.code for operation in operations} | {"nothing": NOTHING}
         try:
             document = json.loads(text)
             if document["format"] != FORMAT:
@@ -203,7 +181,7 @@ class Procedure:
             if box.shape != (2, 3):
                 raise ValueError("box must be two corners")
             return cls(
-                rounds=tuple(_read_round(item, codes) for item in document["rounds"]),
+                rounds=tuple(read_round(item, operations) for item in document["rounds"]),
                 mesh=str(document["mesh"]),
                 result=str(document["result"]),
                 box=box,
@@ -229,7 +207,29 @@ def _read_criteria(text: str, source: str) -> Criteria:
         raise InputError(f"{source}: {error}.") from None
 
 
-def _read_round(item: dict[str, Any], codes: dict[str, int]) -> Round:
+def round_document(done: Round, operations: tuple[Operation, ...]) -> dict[str, Any]:
+    """Make what JSON holds of a round; operations go by their names."""
+    names = {operation.code: operation.name for operation in operations} | {NOTHING: "nothing"}
+    return {
+        "extent": None if done.extent is None else [done.extent.rings, done.extent.elements],
+        "turn": done.turn,
+        "aim": done.aim,
+        "places": [
+            {
+                "centre": place.centre,
+                "steps": [
+                    {"operation": names[step.code], "parameters": step.parameters.tolist()}
+                    for step in place.steps
+                ],
+            }
+            for place in done.places
+        ],
+    }
+
+
+def read_round(item: dict[str, Any], operations: tuple[Operation, ...]) -> Round:
+    """Read what `round_document` made; raises ValueError, KeyError or TypeError where it is not."""
+    codes = {operation.name: operation.code for operation in operations} | {"nothing": NOTHING}
     extent = None
     if item["extent"] is not None:
         rings, elements = item["extent"]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import time
 import uuid
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +19,11 @@ from islands.integration_ga import Problem
 from islands.procedure import Procedure, Round
 from islands.replay import read_procedure
 from islands.rounds import evolve_rounds
-from islands.search import Evolution, Watchers
+from islands.search import Evolution, SearchState, Watchers
 from islands.transfer import transfer
 from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
+from meshops.criteria_files import dump_criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.kernels.quality import IRREGULAR
@@ -87,6 +90,17 @@ class Job:
         if config.warm_start:
             known = read_procedure(Path(config.warm_start) / "procedure.json")
         return cls(name, mesh, config, problem, known)
+
+    @property
+    def key(self) -> str:
+        """Digest of all that the answer depends on."""
+        parts = {
+            "mesh": self.mesh.digest,
+            "settings": self.config.decisive,
+            "criteria": dump_criteria(self.problem.setting.scoring.criteria),
+            "known": self.known.result if self.known else None,
+        }
+        return blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=16).hexdigest()
 
     def quality(self, mesh: ShellMesh) -> QualityIndex:
         """Return the QualityIndex of a mesh under the job's criteria."""
@@ -170,17 +184,22 @@ def run(
     record: Callable[[Event], None],
     started: float,
     is_enough: Callable[[ShellMesh], bool] = lambda _: False,
+    *,
+    keep: Callable[[SearchState], None] = lambda _: None,
+    state: SearchState | None = None,
+    run_id: str = "",
 ) -> Finished:
     """Evolve a procedure and perform it; every generation is recorded.
 
-    `started` is the time.monotonic() from which seconds and time limit count.
+    `started` is the time.monotonic() from which seconds and time limit count. `keep` takes the
+    state between two rounds; with a `state` and a `run_id` an earlier run goes on from there.
     """
     config = job.config
     before = job.quality(job.mesh)
     record(
         RunStarted(
             name=job.name,
-            run_id=uuid.uuid4().hex,
+            run_id=run_id or uuid.uuid4().hex,
             seed=config.seed,
             backend=config.backend,
             islands=config.islands,
@@ -188,7 +207,7 @@ def run(
             before=summary(before),
         )
     )
-    evolution = _evolve(job, executor, record, started, is_enough)
+    evolution = _evolve(job, executor, Watchers(record, keep, is_enough, started), state)
     finished = _finish(job, before, evolution, started)
     record(
         RunFinished(
@@ -216,26 +235,21 @@ def summary(quality: QualityIndex) -> MeshSummary:
     )
 
 
-def _evolve(
-    job: Job,
-    executor: Executor,
-    record: Callable[[Event], None],
-    started: float,
-    is_enough: Callable[[ShellMesh], bool],
-) -> Evolution:
+def _evolve(job: Job, executor: Executor, watch: Watchers, state: SearchState | None) -> Evolution:
     config, problem = job.config, job.problem
-    schedule = config.schedule
     if config.operation:
-        return evolve_alone(problem, job.mesh, config, record, started)
+        return evolve_alone(problem, job.mesh, config, watch.record, watch.started)
+    schedule = config.schedule
     if config.profile == "paper":
-        return evolve_whole(problem, job.mesh, schedule, executor, record, started)
+        return evolve_whole(problem, job.mesh, schedule, executor, watch.record, watch.started)
     rounds: tuple[Round, ...] = ()
     mesh = job.mesh
     if job.known:
         mesh, rounds = transfer(job.known, mesh, ALL_OPERATIONS, problem.setting)
     reference = Reference(job.mesh, problem.setting.feature_angle)
-    watch = Watchers(record, lambda _: None, is_enough, started)
-    evolution = evolve_rounds(problem, mesh, reference, config.plan, schedule, executor, watch)
+    evolution = evolve_rounds(
+        problem, state or mesh, reference, config.plan, schedule, executor, watch
+    )
     return replace(evolution, rounds=rounds + evolution.rounds)
 
 

@@ -38,24 +38,29 @@ class Journal:
     """Writes every event down at once; on ``close`` makes the tables of the run.
 
     An event is handed to the operating system before ``record`` returns: a process that is killed
-    loses nothing that it recorded. An older journal in the folder is replaced, with its tables.
+    loses nothing that it recorded. An older journal in the folder is replaced, with its tables; of
+    a run that is resumed it begins with the events that are `known`.
 
     ``close`` writes ``history.parquet``, a row a ``GenerationReport``, and, where individuals have
     migrated, ``migrations.parquet``; ``journal.arrow`` stays. Rows are in the order of generation
     and island: the same events make the same bytes, in whatever order islands have reported.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, known: Sequence[Event] = ()) -> None:
         import pyarrow as pa
 
         self._folder = folder
         folder.mkdir(parents=True, exist_ok=True)
-        for name in (JOURNAL, HISTORY, MIGRATIONS):
+        for name in (HISTORY, MIGRATIONS):
             (folder / name).unlink(missing_ok=True)
         self._schema = pa.schema([("kind", pa.string()), ("payload", pa.string())])
-        self._file = (folder / JOURNAL).open("wb")
+        unfinished = folder / f".{JOURNAL}.part"
+        self._file = unfinished.open("wb")
         self._stream = pa.ipc.new_stream(self._file, self._schema)
+        for event in known:
+            self.record(event)
         self._file.flush()
+        unfinished.replace(folder / JOURNAL)
 
     def record(self, event: Event) -> None:
         """Append the event and flush."""

@@ -1,0 +1,248 @@
+"""Checkpoint: a run as it is between two rounds, in its folder, from where it can go on.
+
+What is promised: a checkpoint is there whole or not at all, the one before it stays beside it, and
+one that is damaged or of another run is not used. What goes on from it ends with the mesh of the
+run that was never stopped. Its size is that of the mesh: each round of the procedure is written
+once, to a stream of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from hashlib import blake2b
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from islands.procedure import Round, read_round, round_document
+from islands.search import SearchState
+from meshops.errors import InputError
+from meshops.mesh import ShellMesh
+from meshops.operations import ALL_OPERATIONS
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+FORMAT = "meshipelago checkpoint 1"
+
+CHECKPOINT, BEFORE, ROUNDS = "checkpoint.arrow", "checkpoint-before.arrow", "rounds.arrow"
+
+_MESHES = ("mesh", "best")
+_SEPARATE = {*_MESHES, "rounds", "credit"}
+_FIGURES = [field.name for field in fields(SearchState) if field.name not in _SEPARATE]
+
+
+class Checkpoints:
+    """Writes the state of a run down whenever it has changed.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the run.
+    run : str
+        What the answer of the run depends on, as a digest.
+    state : SearchState or None
+        What the run goes on from; its rounds are written anew, without those that it has dropped.
+    """
+
+    def __init__(self, folder: Path, run: str, state: SearchState | None = None) -> None:
+        self._folder = folder
+        self._run = run
+        self._rounds: tuple[Round, ...] = ()
+        self._entries = 0
+        if state is None:
+            self._start_stream(folder / ROUNDS)
+            for name in (CHECKPOINT, BEFORE):
+                (folder / name).unlink(missing_ok=True)
+            return
+        unfinished = folder / f".{ROUNDS}.part"
+        self._start_stream(unfinished)
+        self._append(state.rounds)
+        unfinished.replace(folder / ROUNDS)
+        self._write(state)
+        (folder / BEFORE).unlink(missing_ok=True)
+
+    def keep(self, state: SearchState) -> None:
+        """Write a state down; the last one becomes the one before it."""
+        self._append(state.rounds)
+        last = self._folder / CHECKPOINT
+        if last.exists():
+            last.replace(self._folder / BEFORE)
+        self._write(state)
+
+    def close(self) -> None:
+        """End the stream of rounds; the files stay."""
+        self._stream.close()
+        self._file.close()
+
+    def _start_stream(self, path: Path) -> None:
+        import pyarrow as pa
+
+        self._schema = pa.schema([("number", pa.int64()), ("round", pa.string())])
+        self._file = path.open("wb")
+        self._stream = pa.ipc.new_stream(self._file, self._schema)
+
+    def _append(self, rounds: tuple[Round, ...]) -> None:
+        """Write the rounds that are not there yet; those that were dropped are written over."""
+        import pyarrow as pa
+
+        same = 0
+        for one, other in zip(rounds, self._rounds, strict=False):
+            if one is not other:
+                break
+            same += 1
+        for number in range(same, len(rounds)):
+            text = json.dumps(round_document(rounds[number], ALL_OPERATIONS))
+            self._stream.write_batch(pa.record_batch([[number], [text]], schema=self._schema))
+            self._entries += 1
+        self._rounds = rounds
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def _write(self, state: SearchState) -> None:
+        import pyarrow as pa
+
+        figures = {name: getattr(state, name) for name in _FIGURES}
+        heading = {
+            "format": FORMAT,
+            "run": self._run,
+            "rounds": len(state.rounds),
+            "entries": self._entries,
+            "figures": figures,
+        }
+        arrays = dict(_arrays(state))
+        rows = [("heading", np.frombuffer(json.dumps(heading).encode(), np.uint8)), *arrays.items()]
+        table = pa.table(
+            {
+                "name": [name for name, _ in rows],
+                "dtype": [array.dtype.str for _, array in rows],
+                "shape": pa.array([array.shape for _, array in rows], pa.list_(pa.int64())),
+                "data": pa.array([array.tobytes() for _, array in rows], pa.large_binary()),
+            }
+        )
+        table = table.replace_schema_metadata({"digest": _digest(rows)})
+        path = self._folder / CHECKPOINT
+        unfinished = path.with_name(f".{CHECKPOINT}.part")
+        with unfinished.open("wb") as file, pa.ipc.new_file(file, table.schema) as writer:
+            writer.write_table(table)
+        _flush(unfinished)
+        unfinished.replace(path)
+
+
+def _flush(path: Path) -> None:
+    """See that a file is on the disk."""
+    with path.open("rb") as file:
+        os.fsync(file.fileno())
+
+
+def latest_state(folder: Path, run: str) -> tuple[SearchState | None, str]:
+    """Read the last state of a run, or the one before it where the last is damaged.
+
+    Returns the state, None where there is none yet, and a sentence on what was damaged, or "".
+
+    Raises InputError where the folder is of another run or all checkpoints are damaged.
+    """
+    sentences: list[str] = []
+    for name in (CHECKPOINT, BEFORE):
+        path = folder / name
+        if not path.exists():
+            continue
+        try:
+            return _read(path, folder / ROUNDS, run), " ".join(sentences)
+        except _DamagedError as error:
+            sentences.append(f"{path} is damaged ({error}).")
+    if sentences:
+        raise InputError(" ".join([*sentences, "Start the run anew with optimize --overwrite."]))
+    return None, ""
+
+
+class _DamagedError(Exception):
+    """A file is not as it was written."""
+
+
+def _read(path: Path, stream: Path, run: str) -> SearchState:
+    import pyarrow as pa
+
+    try:
+        with path.open("rb") as file:
+            table = pa.ipc.open_file(file).read_all()
+        rows = [
+            (row["name"], np.frombuffer(row["data"], row["dtype"]).reshape(row["shape"]))
+            for row in table.to_pylist()
+        ]
+        wanted = (table.schema.metadata or {}).get(b"digest", b"").decode()
+        heading = json.loads(bytes(rows[0][1]))
+    except (pa.ArrowInvalid, OSError, ValueError, KeyError, IndexError, TypeError) as error:
+        raise _DamagedError(str(error).splitlines()[0]) from None
+    if _digest(rows) != wanted:
+        raise _DamagedError("its digest differs")
+    if heading["format"] != FORMAT:
+        raise InputError(
+            f"{path} is of the format {heading['format']!r}, not {FORMAT!r}: resume the run with "
+            "the version of meshipelago that wrote it."
+        )
+    if heading["run"] != run:
+        raise InputError(
+            f"{path} belongs to another run: the mesh, the criteria or a setting is another one "
+            "now; start anew with optimize."
+        )
+    arrays = dict(rows[1:])
+    rounds = _read_rounds(stream, heading["entries"], heading["rounds"])
+    mesh = _mesh(arrays, "mesh")
+    best = _mesh(arrays, "best") if "best.points" in arrays else mesh
+    known: dict[str, Any] = heading["figures"]
+    return SearchState(mesh=mesh, best=best, rounds=rounds, credit=arrays["credit"].copy(), **known)
+
+
+def _read_rounds(path: Path, entries: int, count: int) -> tuple[Round, ...]:
+    """Read the first entries of the stream; of those of one round the last one counts."""
+    import pyarrow as pa
+
+    found: dict[int, str] = {}
+    try:
+        with path.open("rb") as file:
+            for number, batch in enumerate(_batches(pa.ipc.open_stream(file))):
+                if number == entries:
+                    break
+                (row,) = batch.to_pylist()
+                found[row["number"]] = row["round"]
+        return tuple(read_round(json.loads(found[i]), ALL_OPERATIONS) for i in range(count))
+    except (pa.ArrowInvalid, OSError, ValueError, KeyError, TypeError) as error:
+        raise _DamagedError(f"{path.name}: {error}") from None
+
+
+def _batches(reader: pa.ipc.RecordBatchStreamReader) -> Iterator[pa.RecordBatch]:
+    """Batches up to where a process that was killed has left the stream."""
+    import pyarrow as pa
+
+    try:
+        yield from reader
+    except (pa.ArrowInvalid, OSError):
+        return
+
+
+def _arrays(state: SearchState) -> Iterator[tuple[str, NDArray[Any]]]:
+    yield "credit", np.ascontiguousarray(state.credit)
+    for name in _MESHES:
+        mesh: ShellMesh = getattr(state, name)
+        if name == "best" and state.best is state.mesh:
+            continue
+        for field in fields(mesh):
+            yield f"{name}.{field.name}", np.ascontiguousarray(getattr(mesh, field.name))
+
+
+def _mesh(arrays: dict[str, NDArray[Any]], name: str) -> ShellMesh:
+    return ShellMesh.build(**{f.name: arrays[f"{name}.{f.name}"] for f in fields(ShellMesh)})
+
+
+def _digest(rows: Sequence[tuple[str, NDArray[Any]]]) -> str:
+    found = blake2b(digest_size=16)
+    for name, array in rows:
+        found.update(f"{name} {array.dtype.str} {array.shape};".encode())
+        found.update(array.tobytes())
+    return found.hexdigest()

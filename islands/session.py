@@ -1,0 +1,173 @@
+"""Session: a run in its folder, from the deck to all its files, and what goes on from there.
+
+The folder says what the run is (``config.toml``, ``run.json``), how far it is (the checkpoint) and
+what it has seen (the journal).
+"""
+
+from __future__ import annotations
+
+import json
+import time
+import uuid
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from islands.checkpoint import Checkpoints, latest_state
+from islands.config import Config, load_config
+from islands.interruption import Interruption
+from islands.results import prepare_folder, write_results, write_text
+from islands.run import Finished, Job, run, start_executor
+from islands.search import SearchState
+from meshops.criteria_files import load_criteria
+from meshops.errors import InputError
+from meshops.formats import Deck, read_deck
+from tracking.events import Event, GenerationReport, Recorder, RoundReport
+from tracking.fanout import Fanout
+from tracking.journal import Journal, read_journal
+
+CONFIG, RUN, RESULT = "config.toml", "run.json", "result.json"
+
+Listeners = Callable[[Config], Sequence[Recorder]]
+"""Makes those that follow a run besides its journal."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A deck that is to be improved, in a folder.
+
+    Attributes
+    ----------
+    folder, source : Path
+    deck : Deck
+    job : Job
+    run_id : str
+    state : SearchState or None
+        What an earlier session has left.
+    """
+
+    folder: Path
+    source: Path
+    deck: Deck
+    job: Job
+    run_id: str
+    state: SearchState | None = None
+
+
+def optimize(
+    source: Path, folder: Path, config: Config, listeners: Listeners, *, overwrite: bool
+) -> Finished:
+    """Improve a deck; all files of the run are in the folder then.
+
+    Raises InputError, before anything is written, where the deck, the folder or a setting is not
+    what it should be.
+    """
+    started = time.monotonic()
+    deck, job = _read(source, config)
+    this = _Run(folder, source, deck, job, uuid.uuid4().hex)
+
+    def prepare() -> None:
+        prepare_folder(folder, source, overwrite=overwrite)
+        (folder / RESULT).unlink(missing_ok=True)
+        about = {"source": str(source.resolve()), "mesh": job.mesh.digest, "run": this.run_id}
+        write_text(folder / CONFIG, config.to_toml())
+        write_text(folder / RUN, json.dumps(about, indent=1) + "\n")
+
+    return _work(this, started, prepare, listeners)
+
+
+def resume(
+    folder: Path, given: Mapping[str, Any], listeners: Listeners, notify: Callable[[str], None]
+) -> Finished | None:
+    """Go on with a run from its checkpoint; None where it has ended already.
+
+    `given` are settings that may be others than before, `Config.FREE`. The mesh at the end is that
+    of the run without the interruption. `notify` is told of what was damaged.
+
+    Raises InputError where the folder has no run that can go on.
+    """
+    started = time.monotonic()
+    about = _about(folder)
+    if _status(folder) == "finished":
+        return None
+    config = load_config(folder / CONFIG, given)
+    source = Path(about["source"])
+    deck, job = _read(source, config)
+    if job.mesh.digest != about["mesh"]:
+        raise InputError(f"{source} is another mesh than that of the run in {folder}.")
+    state, sentence = latest_state(folder, job.key)
+    if sentence:
+        notify(f"{sentence} The run goes on from the checkpoint before it.")
+    return _work(_Run(folder, source, deck, job, about["run"], state), started, None, listeners)
+
+
+def _work(
+    this: _Run, started: float, prepare: Callable[[], None] | None, listeners: Listeners
+) -> Finished:
+    """Run a job with everything around it; `prepare` makes the folder where it is a new one."""
+    job, config, state = this.job, this.job.config, this.state
+    interruption = Interruption()
+    executor = start_executor(job, started + (config.time_limit or float("inf")), interruption.heed)
+    try:
+        known: Sequence[Event] = ()
+        if prepare is None:
+            known = _events_until(this.folder, state.reports if state else 0)
+        else:
+            prepare()
+        checkpoints = Checkpoints(this.folder, job.key, state)
+        recorder = Fanout([Journal(this.folder, known), *listeners(config)])
+
+        def record(event: Event) -> None:
+            recorder.record(event)
+            if isinstance(event, GenerationReport):
+                interruption.heed()
+
+        try:
+            with interruption:  # after Ray has set its own signals
+                done = run(
+                    job, executor, record, started,
+                    keep=checkpoints.keep, state=state, run_id=this.run_id,
+                )  # fmt: skip
+                files = write_results(this.folder, job, this.deck, this.source, done)
+                recorder.keep(files)
+        finally:
+            checkpoints.close()
+            recorder.close()
+    finally:
+        executor.close()
+    return done
+
+
+def _read(source: Path, config: Config) -> tuple[Deck, Job]:
+    deck = read_deck(source)
+    return deck, Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
+
+
+def _about(folder: Path) -> dict[str, str]:
+    try:
+        about: dict[str, str] = json.loads((folder / RUN).read_text(encoding="utf-8"))
+        return {key: about[key] for key in ("source", "mesh", "run")}
+    except (OSError, ValueError, KeyError, TypeError):
+        raise InputError(
+            f"{folder} has no {RUN} of a run: name a folder that optimize has written."
+        ) from None
+
+
+def _status(folder: Path) -> str:
+    try:
+        return str(json.loads((folder / RESULT).read_text(encoding="utf-8"))["status"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return ""
+
+
+def _events_until(folder: Path, reports: int) -> list[Event]:
+    """Events of a journal up to so many rounds; those after them will happen again."""
+    events = read_journal(folder)
+    kept = rounds = 0
+    for number, event in enumerate(events):
+        if rounds == reports:
+            break
+        rounds += isinstance(event, RoundReport)
+        kept = number + 1
+    return events[:kept]
