@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from islands.integration_ga import Work
 from islands.island import IslandPlan, IslandState
 from islands.migration import Migrants
+from islands.stopping import Stopping
 from islands.topology import Link
 
 Status = Literal["finished", "time-limit", "interrupted"]
@@ -32,6 +33,8 @@ class Schedule:
         Generations between two migrations (an epoch).
     delay : int
         Epochs later than the next generation that migrants arrive.
+    stopping : Stopping
+        What ends a work sooner; a run of many works has its own evaluations and target.
     """
 
     plans: tuple[IslandPlan, ...]
@@ -39,6 +42,7 @@ class Schedule:
     links: tuple[Link, ...] = ()
     every: int = 1
     delay: int = 0
+    stopping: Stopping = field(default_factory=Stopping)
 
     @property
     def islands(self) -> int:
@@ -78,11 +82,14 @@ class Result:
         Of each work the island with the fittest procedure; the first of equals.
     evaluations : int
     status : "finished", "time-limit" or "interrupted"
+    reasons : tuple of str
+        Why the first work ended before its last generation, where a rule of stopping said so.
     """
 
     best: tuple[IslandState, ...]
     evaluations: int
     status: Status
+    reasons: tuple[str, ...] = ()
 
 
 Watch = Callable[[int, Sequence[IslandState]], None]
@@ -103,7 +110,8 @@ def evolve_archipelago(
 
     The islands of each work are linked among themselves. Migrants leave after every epoch and
     arrive before the next generation begins, or a fixed number of epochs later, by the number of
-    the generation and never by who is ready first. A work in which nothing is left to gain stops.
+    the generation and never by who is ready first. A work in which nothing is left to gain stops,
+    and so does one that a rule of `schedule.stopping` ends.
     Time limit and interruption end all of them with the best that was found until then.
     """
     status: Status = "finished"
@@ -115,7 +123,11 @@ def evolve_archipelago(
         executor.open(works)
         travelling: dict[int, list[_Group]] = {}
         for generation in range(schedule.generations + 1):
-            busy = [row for row, work in zip(states, works, strict=True) if not _done(row, work)]
+            busy = [
+                row
+                for row, work in zip(states, works, strict=True)
+                if not (_done(row, work) or schedule.stopping.of_both(row))
+            ]
             if not busy:
                 break
             arriving = _arrivals(travelling.pop(generation, []))
@@ -133,7 +145,8 @@ def evolve_archipelago(
     except KeyboardInterrupt:
         status = "interrupted"
     best = tuple(row[int(np.argmax([s.best_fitness for s in row]))] for row in states)
-    return Result(best, sum(s.evaluations for row in states for s in row), status)
+    reasons = tuple(schedule.stopping.of_both(states[0])) if states else ()
+    return Result(best, sum(s.evaluations for row in states for s in row), status, reasons)
 
 
 def _done(row: list[IslandState], work: Work) -> bool:

@@ -14,6 +14,7 @@ from islands.genetics import Breeding
 from islands.island import IslandPlan
 from islands.migration import GivingWay, Leaving, Migration
 from islands.search import Plan
+from islands.stopping import Stopping
 from islands.topology import Link, Topology, TopologyKind
 from meshops.errors import InputError
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
@@ -122,6 +123,10 @@ class Config(BaseModel):
     refuse_duplicates: bool = False
     migration_patience: int = Field(0, ge=0)
     migration_delay: int = Field(0, ge=0)
+    evaluations: int | None = Field(None, ge=1)
+    target_fitness: float | None = None
+    stagnation: int | None = Field(None, ge=1)
+    diversity: float = Field(0.0, ge=0, le=1)
     island: tuple[IslandConfig, ...] = ()
     seed: int = Field(1, ge=0)
     time_limit: float | None = Field(None, gt=0)
@@ -189,6 +194,9 @@ class Config(BaseModel):
             links=topology.links(self.islands),
             every=self.migrate_every,
             delay=self.migration_delay,
+            stopping=Stopping(
+                self.evaluations, self.target_fitness, self.stagnation, self.diversity
+            ),
         )
 
     @property

@@ -153,11 +153,16 @@ class _Search:
                 return "finished"
             return self._end("nothing is left to gain")
         status = self._do_round(turn, found)
-        if status == "finished":
-            if self.watch.is_enough(self.state.best):
-                self._end("the mesh is good enough")
-            elif self.state.cycle > self.plan.patience:
-                self._end(f"{self.plan.patience} cycles brought no gain")
+        if status != "finished":
+            return status
+        state, stopping = self.state, self.schedule.stopping
+        reasons = stopping.of_run(state.evaluations, self._fitness(self.best))
+        if self.watch.is_enough(state.best):
+            reasons.append("the mesh is good enough")
+        if reasons:
+            self._set(reason="; ".join(reasons), is_done=True)
+        elif state.cycle > self.plan.patience:
+            self._end(f"{self.plan.patience} cycles brought no gain")
         return status
 
     def _looks_elsewhere(self) -> bool:
@@ -235,7 +240,8 @@ class _Search:
         if now.aim != "faults":
             grown = now.flows_in_vain
         generations = min(grown, self.schedule.generations)
-        effort = replace(self.schedule, generations=generations)
+        of_each = replace(self.schedule.stopping, evaluations=None, target=None)
+        effort = replace(self.schedule, generations=generations, stopping=of_each)
         states: list[IslandState] = []
         for first in range(0, len(works), BATCH):
             batch = works[first : first + BATCH]

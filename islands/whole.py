@@ -33,7 +33,8 @@ def evolve_whole(
     work = Work(problem, mesh)
     reporter = _reporter(work, record, started)
     result = evolve_archipelago([work], schedule, executor, reporter.watch, reporter.post)
-    return _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
+    done = _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
+    return replace(done, reason="; ".join(result.reasons) or done.reason)
 
 
 def evolve_alone(
