@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from islands.integration_ga import Work
-from islands.island import IslandPlan, IslandState
+from islands.island import IslandPlan, IslandState, OwnFitness
 from islands.migration import Migrants
 from islands.stopping import Stopping
 from islands.topology import Link
@@ -144,9 +144,23 @@ def evolve_archipelago(
         status = "time-limit"
     except KeyboardInterrupt:
         status = "interrupted"
-    best = tuple(row[int(np.argmax([s.best_fitness for s in row]))] for row in states)
+    best = tuple(
+        row[int(np.argmax(_fitness(row, work, schedule)))]
+        for row, work in zip(states, works, strict=True)
+    )
     reasons = tuple(schedule.stopping.of_both(states[0])) if states else ()
     return Result(best, sum(s.evaluations for row in states for s in row), status, reasons)
+
+
+def _fitness(row: list[IslandState], work: Work, schedule: Schedule) -> list[float]:
+    """Fitness of the best of each island, by the run's measure where islands have their own."""
+    if all(plan.fitness == OwnFitness() for plan in schedule.plans):
+        return [state.best_fitness for state in row]
+    scoring, fitness = work.problem.setting.scoring, work.problem.fitness
+    return [
+        float(fitness.of(s.best_tally[None], scoring)[0]) if len(s.best_tally) else -np.inf
+        for s in row
+    ]
 
 
 def _done(row: list[IslandState], work: Work) -> bool:

@@ -7,16 +7,17 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from islands.archipelago import Schedule
 from islands.genetics import Breeding
-from islands.island import IslandPlan
+from islands.island import IslandPlan, OwnFitness
 from islands.migration import GivingWay, Leaving, Migration
 from islands.search import Plan
 from islands.stopping import Stopping
 from islands.topology import Link, Topology, TopologyKind
 from meshops.errors import InputError
+from meshops.fitness import IRREGULARITY, PRICE
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
 from meshops.subdomain import Extent
 
@@ -66,6 +67,9 @@ _MODEL = ConfigDict(
 )
 
 
+OWN_FITNESS = ("fitness", "irregularity", "price")
+
+
 class IslandConfig(BaseModel):
     """What one island has otherwise than the rest: a table ``[[island]]`` of a TOML file."""
 
@@ -78,6 +82,19 @@ class IslandConfig(BaseModel):
     scaling: Literal["proportional", "window"] | None = None
     selection: Literal["roulette", "tournament", "rank"] | None = None
     recombination: Literal["single-point", "two-point", "uniform"] | None = None
+    operations: tuple[str, ...] | None = Field(None, min_length=1)
+    fitness: Literal["trias", "quality", "quads"] | None = None
+    irregularity: float | None = Field(default=None, ge=0)
+    price: float | None = Field(default=None, ge=0)
+
+    @field_validator("operations")
+    @classmethod
+    def _known(cls, names: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        known = [operation.name for operation in (*OPERATIONS, *PAPER_OPERATIONS)]
+        for name in names or ():
+            if name not in known:
+                raise ValueError(f"there is no operation {name!r}; there are {', '.join(known)}")
+        return names
 
 
 class Config(BaseModel):
@@ -88,6 +105,8 @@ class Config(BaseModel):
     profile: Literal["default", "thorough", "paper"] = "default"
     operation: Literal["remesh", "replace-node"] | None = None
     fitness: Literal["trias", "quality"] = "quality"
+    irregularity: float = Field(IRREGULARITY, ge=0)
+    price: float = Field(PRICE, ge=0)
     criteria: str = "standard"
     size: Annotated[float, Field(gt=0)] | str | None = None
     feature_angle: float = Field(30.0, gt=0, le=180)
@@ -212,11 +231,19 @@ class Config(BaseModel):
             patience=self.migration_patience,
         )
         own = self.island or (IslandConfig.model_validate({}),)
-        configs = [
-            self.model_copy(update=own[number % len(own)].model_dump(exclude_none=True))
-            for number in range(self.islands)
-        ]
-        return tuple(IslandPlan(config.breeding, self.genes, migration) for config in configs)
+        return tuple(
+            self._plan(own[number % len(own)], migration) for number in range(self.islands)
+        )
+
+    def _plan(self, own: IslandConfig, migration: Migration) -> IslandPlan:
+        lives = own.model_dump(exclude_none=True, exclude={"operations", *OWN_FITNESS})
+        return IslandPlan(
+            breeding=self.model_copy(update=lives).breeding,
+            genes=self.genes,
+            migration=migration,
+            operations=own.operations or (),
+            fitness=OwnFitness(own.fitness, own.irregularity, own.price),
+        )
 
     @property
     def decisive(self) -> dict[str, Any]:

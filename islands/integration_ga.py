@@ -247,24 +247,26 @@ class Evaluator:
         self._known: OrderedDict[Task, tuple[Outcome, Handle]] = OrderedDict()
         self._most = int(remembered_bytes / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
 
-    def evaluate(self, genomes: Ids) -> tuple[Floats, Floats, list[tuple[Step, ...]]]:
-        """Score genomes (P, G).
+    def evaluate(
+        self, genomes: Ids, fitness: Fitness | None = None
+    ) -> tuple[Floats, Floats, list[tuple[Step, ...]]]:
+        """Score genomes (P, G), by another fitness than the run's where one is given.
 
         Returns fitness (P,), tallies (P, TALLY_SIZE) and the steps of each.
         """
-        fitness = self._score(self.root.tally, 0)
-        root = self.root
+        judge = fitness or self.problem.fitness
+        root, at_first = self.root, self._score(judge, self.root.tally, 0)
         trails = [
-            _Trail(root.mesh, self.root_handle, root.tally, {}, [], 0, fitness, root.tally, 0)
+            _Trail(root.mesh, self.root_handle, root.tally, {}, [], 0, at_first, root.tally, 0)
             for _ in genomes
         ]
         for genes in genomes.T:
-            self._advance(trails, genes)
+            self._advance(trails, genes, judge)
             if any(self._is_enough(trail.tally) for trail in trails):
                 break
         if not self.problem.improving:
             for trail in trails:
-                trail.best_fitness = self._score(trail.tally, trail.used)
+                trail.best_fitness = self._score(judge, trail.tally, trail.used)
                 trail.best_tally, trail.best_steps = trail.tally, len(trail.steps)
         return (
             np.array([trail.best_fitness for trail in trails]),
@@ -272,14 +274,14 @@ class Evaluator:
             [tuple(trail.steps[: trail.best_steps]) for trail in trails],
         )
 
-    def _score(self, tally: Floats, used: int) -> float:
-        scoring, fitness = self.problem.setting.scoring, self.problem.fitness
+    def _score(self, fitness: Fitness, tally: Floats, used: int) -> float:
+        scoring = self.problem.setting.scoring
         if not self.problem.drifts:
             return float(fitness.of(tally[None], scoring, used)[0])
         faults = float(fitness.of_faults(tally))
         return faults if used else faults - STANDING_STILL / (fitness.elements + 1)
 
-    def _advance(self, trails: list[_Trail], genes: Ids) -> None:
+    def _advance(self, trails: list[_Trail], genes: Ids, judge: Fitness) -> None:
         codes = [self.problem.codes[gene] for gene in genes]
         tasks: list[Task | None] = [
             None if code == NOTHING else Task(trail.mesh, code, trail.attempts.get(code, 0))
@@ -298,7 +300,7 @@ class Evaluator:
             trail.mesh, trail.handle, trail.tally = outcome.mesh, handle, outcome.tally
             trail.attempts = {}
             trail.used += 1
-            fitness = self._score(trail.tally, trail.used)
+            fitness = self._score(judge, trail.tally, trail.used)
             if fitness > trail.best_fitness or (
                 self.problem.drifts and fitness == trail.best_fitness
             ):

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
 
 from islands.genetics import Breeding, next_generation
-from islands.integration_ga import Evaluator
+from islands.integration_ga import Evaluator, Problem
 from islands.migration import Migrants, Migration, queue, settle
 from islands.procedure import Step
+from meshops.fitness import Fitness, FitnessKind
 from meshops.mesh import Floats, Ids
+from meshops.operations import NOTHING
 
 MIGRATING = 1
 """Last part of the key of the random numbers that migration takes: breeding has its own."""
@@ -81,6 +83,22 @@ class IslandState:
 
 
 @dataclass(frozen=True)
+class OwnFitness:
+    """What an island weighs otherwise than the run; None: as the run does.
+
+    Its operation GAs aim at the run's fitness all the same, and so the islands share their work.
+    """
+
+    kind: FitnessKind | None = None
+    irregularity: float | None = None
+    price: float | None = None
+
+    def instead_of(self, fitness: Fitness) -> Fitness:
+        """Return the island's fitness."""
+        return replace(fitness, **{k: v for k, v in vars(self).items() if v is not None})
+
+
+@dataclass(frozen=True)
 class IslandPlan:
     """How an island lives; each may live in another way.
 
@@ -90,11 +108,25 @@ class IslandPlan:
     genes : int
         Of an individual.
     migration : Migration
+    operations : tuple of str
+        Those that it draws, by name; empty: all of the run.
+    fitness : OwnFitness
     """
 
     breeding: Breeding
     genes: int
     migration: Migration
+    operations: tuple[str, ...] = ()
+    fitness: OwnFitness = field(default_factory=OwnFitness)
+
+    def problem(self, problem: Problem) -> Problem:
+        """Return the run's problem as this island draws for it."""
+        if not self.operations:
+            return problem
+        own = {o.code for o in problem.operations if o.name in self.operations} | {NOTHING}
+        weights = np.ones(len(problem.codes)) if problem.weights is None else problem.weights
+        weights = np.where([code in own for code in problem.codes], weights, 0.0)
+        return replace(problem, weights=weights / weights.sum())
 
 
 def step(
@@ -104,17 +136,20 @@ def step(
 
     Random numbers come from (run seed, round, mesh, island, generation) alone.
     """
-    problem, breeding = evaluator.problem, plan.breeding
+    problem, breeding = plan.problem(evaluator.problem), plan.breeding
+    judge = plan.fitness.instead_of(problem.fitness)
     key = [
         problem.seed, problem.turn, int(evaluator.root.mesh, 16), state.island, state.generation
     ]  # fmt: skip
     rng, migrating = np.random.default_rng(key), np.random.default_rng([*key, MIGRATING])
     genomes = problem.draw(rng, breeding.individuals, plan.genes)
     if state.generation > 0:
+        if immigrants is not None and judge != problem.fitness:
+            immigrants = _judged_anew(immigrants, judge, problem)
         residents = _with(immigrants, state, plan.migration, migrating)
         genomes = next_generation(residents.genomes, residents.fitness, genomes, breeding, rng)
     before = evaluator.evaluations
-    fitness, tallies, steps = evaluator.evaluate(genomes)
+    fitness, tallies, steps = evaluator.evaluate(genomes, judge)
     after = replace(
         state,
         generation=state.generation + 1,
@@ -135,6 +170,11 @@ def step(
         best_steps=steps[top],
         stagnant=0,
     )
+
+
+def _judged_anew(immigrants: Migrants, judge: Fitness, problem: Problem) -> Migrants:
+    """Score immigrants as the island does; what the use of an operation costs is left out."""
+    return replace(immigrants, fitness=judge.of(immigrants.tallies, problem.setting.scoring))
 
 
 def _with(

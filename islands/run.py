@@ -73,7 +73,7 @@ class Job:
             )
         setting = Setting(
             scoring=criteria.at(config.element_size or median_edge(mesh)),
-            fitness=Fitness(config.fitness, len(mesh.elements)),
+            fitness=Fitness(config.fitness, len(mesh.elements), config.irregularity, config.price),
             element_size=config.element_size,
             feature_angle=config.feature_angle,
             sizes=parse_size(config.size_field, mesh) if config.size_field else None,

@@ -35,8 +35,8 @@ class Fitness:
     then a lower compound Q.I. and fewer irregular nodes, less a small price for each operation
     used, which section 5.3 of the paper wishes for:
     ``100 - failed - (trias + (q + price) / 2) / (n + 1)``. Here n is the number of elements that
-    the run started from, q is the compound Q.I. plus ``IRREGULARITY`` times the irregular nodes an
-    element, brought into [0, 1) by x / (1 + x), and the price is ``PRICE`` for each operation, at
+    the run started from, q is the compound Q.I. plus `irregularity` times the irregular nodes an
+    element, brought into [0, 1) by x / (1 + x), and the price is `price` for each operation, at
     most 1.
 
     ``quads`` is the same with failed elements and trias changing places: fewer trias first. A
@@ -47,10 +47,16 @@ class Fitness:
     kind : "trias", "quality" or "quads"
     elements : int
         The number of elements of the mesh that the run started from.
+    irregularity : float
+        What an irregular node costs, over an element whose Q.I. is higher by 1.
+    price : float
+        What one operation of a procedure costs.
     """
 
     kind: FitnessKind
     elements: int
+    irregularity: float = IRREGULARITY
+    price: float = PRICE
 
     def of(self, tallies: Floats, scoring: Scoring, operations: int = 0) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies; NaN tallies (no valid mesh) have INVALID."""
@@ -58,13 +64,13 @@ class Fitness:
             valid = np.isfinite(tallies[:, ELEMENTS])
             return np.where(valid, 100.0 - tallies[:, TRIAS], INVALID)
         first, second = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
-        price = min(PRICE * operations, 1.0)
+        price = min(self.price * operations, 1.0)
         fitness: Floats = order_meshes(
             tallies,
             first,
             second,
             self.elements + 1,
-            IRREGULARITY,
+            self.irregularity,
             price,
             INVALID,
             *scoring.arrays,

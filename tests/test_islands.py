@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from islands.archipelago import TimeUpError
+from islands.archipelago import Schedule, TimeUpError, evolve_archipelago
 from islands.config import Config, load_config
-from islands.executors.local import LocalRunner
+from islands.executors.local import LocalExecutor, LocalRunner
 from islands.executors.pool import PoolRunner
 from islands.genetics import Breeding
 from islands.integration_ga import (
@@ -21,7 +21,7 @@ from islands.integration_ga import (
     Workbench,
     run_task,
 )
-from islands.island import IslandPlan, IslandState, step
+from islands.island import IslandPlan, IslandState, OwnFitness, step
 from islands.migration import Migration
 from islands.procedure import perform_steps
 from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
@@ -224,6 +224,62 @@ def test_what_an_island_does_depends_on_its_mesh_and_not_on_the_number_of_its_wo
     assert (one.tallies == other.tallies).all()
     third = step(IslandState.first(0, 1), None, evaluator(mesh)[0], plan)
     assert (one.genomes != third.genomes).any()
+
+
+def test_an_island_draws_its_own_operations(mesh: ShellMesh) -> None:
+    problem = problem_of(mesh)
+    name = problem.operations[0].name
+    plan = IslandPlan(Breeding(individuals=4), 3, Migration(), operations=(name,))
+    drawn = {problem.codes[gene] for gene in step_genes(mesh, plan)}
+    assert drawn == {NOTHING, problem.operations[0].code}
+    rest = IslandPlan(Breeding(individuals=4), 3, Migration())
+    assert len({problem.codes[gene] for gene in step_genes(mesh, rest)}) == len(problem.codes)
+
+
+def step_genes(mesh: ShellMesh, plan: IslandPlan) -> list[int]:
+    genes: list[int] = []
+    for island in range(6):
+        done = step(IslandState.first(0, island), None, evaluator(mesh)[0], plan)
+        genes += done.genomes.ravel().tolist()
+    return genes
+
+
+def test_an_island_with_a_fitness_of_its_own_judges_immigrants_anew(mesh: ShellMesh) -> None:
+    scorer, _ = evaluator(mesh)
+    usual = IslandPlan(Breeding(individuals=4, elites=4), 3, Migration())
+    trias = replace(usual, fitness=OwnFitness(kind="trias"))
+    source, target = (
+        step(IslandState.first(0, island), None, scorer, plan)
+        for island, plan in enumerate((usual, trias))
+    )
+    np.testing.assert_allclose(target.fitness, 100.0 - target.tallies[:, TRIAS])
+    immigrants = source.residents
+    after = step(target, immigrants, scorer, trias)
+    # all have settled and all are elites
+    assert sorted(after.fitness) == sorted(100.0 - immigrants.tallies[:, TRIAS])
+
+
+def test_the_best_of_islands_that_judge_otherwise_is_the_best_by_the_measure_of_the_run(
+    mesh: ShellMesh,
+) -> None:
+    work = Work(problem_of(mesh), mesh)
+    usual = IslandPlan(Breeding(individuals=4), 3, Migration())
+    generous = replace(usual, fitness=OwnFitness(kind="trias", price=0.0))
+    for plans in ((usual, generous), (generous, usual)):
+        schedule = Schedule(plans, 1)
+        executor = LocalExecutor(plans)
+        seen: dict[int, IslandState] = {}
+        result = evolve_archipelago(
+            [work],
+            schedule,
+            executor,
+            lambda island, states, seen=seen: seen.update({island: states[0]}),
+            lambda *_: None,
+        )
+        scoring = work.problem.setting.scoring
+        best = [float(work.problem.fitness.of(seen[i].best_tally[None], scoring)[0]) for i in seen]
+        (found,) = work.problem.fitness.of(result.best[0].best_tally[None], scoring)
+        assert found == max(best)
 
 
 # --- settings -----------------------------------------------------------------------------------

@@ -217,6 +217,7 @@ def test_islands_may_live_in_different_ways(tmp_path: Any) -> None:
         ("[[island]]\nsize = 3", 'no setting of island 0 "size"; the settings are population'),
         ("[[island]]\npopulation = 1", '"population" is 1'),
         ("leaving = 'worst'", '"leaving" is'),
+        ("[[island]]\noperations = ['dance']", "there is no operation 'dance'; there are"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(tmp_path: Any, text: str, words: str) -> None:
