@@ -80,6 +80,11 @@ class Checkpoints:
         self._stream.close()
         self._file.close()
 
+    def discard(self) -> None:
+        """Remove the files: the run is over."""
+        for name in (CHECKPOINT, BEFORE, ROUNDS):
+            (self._folder / name).unlink(missing_ok=True)
+
     def _start_stream(self, path: Path) -> None:
         import pyarrow as pa
 

@@ -131,6 +131,8 @@ def _work(
                 )  # fmt: skip
                 files = write_results(this.folder, job, this.deck, this.source, done)
                 recorder.keep(files)
+                if done.status == "finished":
+                    checkpoints.discard()
         finally:
             checkpoints.close()
             recorder.close()

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from islands.checkpoint import BEFORE, CHECKPOINT, ROUNDS
 from islands.cli import main
 from meshops.formats import read_deck, write_mesh
 from meshops.mesh import ShellMesh
@@ -33,6 +34,8 @@ OUTPUTS = {
     "journal.arrow",
     "quality_before.txt",
     "quality_after.txt",
+    "config.toml",
+    "run.json",
 }
 
 
@@ -280,7 +283,9 @@ def test_an_interrupt_keeps_the_best_and_exits_with_130(
         assert process.wait(timeout=60) == 130
     finally:
         process.kill()
-    assert {path.name for path in (tmp_path / "run").iterdir()} == OUTPUTS
+    names = {path.name for path in (tmp_path / "run").iterdir()}
+    assert names - {CHECKPOINT, BEFORE, ROUNDS} == OUTPUTS
+    assert (CHECKPOINT in names) == ("paper" not in settings)
     assert json.loads((tmp_path / "run/result.json").read_text())["status"] == "interrupted"
 
 

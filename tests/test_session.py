@@ -213,6 +213,7 @@ def test_a_folder_without_a_run_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_run_that_has_ended_stays_as_it_is(whole: Path) -> None:
+    assert not any((whole / name).exists() for name in (CHECKPOINT, BEFORE, ROUNDS))
     before = (whole / "result.json").read_bytes()
     assert session.resume(whole, {}, nobody, lambda _: None) is None
     assert (whole / "result.json").read_bytes() == before
