@@ -278,8 +278,9 @@ def _listeners(quiet: bool) -> Callable[[Config], Sequence[Recorder]]:  # noqa: 
 
 def _end(done: Finished, out: Path) -> None:
     click.echo(f"{_closing_words(done)} All files are in {out}.")
-    if done.status == "interrupted":
+    if done.status != "finished":
         click.echo(f"Go on with: meshipelago resume {out}")
+    if done.status == "interrupted":
         sys.exit(INTERRUPTED)
 
 

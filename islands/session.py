@@ -91,7 +91,8 @@ def resume(
     about = _about(folder)
     if _status(folder) == "finished":
         return None
-    config = load_config(folder / CONFIG, given)
+    # the time limit was that of the session before
+    config = load_config(folder / CONFIG, {"time-limit": None, **given})
     source = Path(about["source"])
     deck, job = _read(source, config)
     if job.mesh.digest != about["mesh"]:

@@ -155,6 +155,15 @@ def test_a_run_without_a_checkpoint_begins_anew(stopped: Path, whole: Path) -> N
     assert rounds_of(stopped) == rounds_of(whole)
 
 
+def test_a_run_whose_time_was_up_goes_on_without_a_limit(
+    deck: Path, whole: Path, tmp_path: Path
+) -> None:
+    config = config_of(**{"time-limit": 0.2})
+    done = session.optimize(deck, tmp_path / "run", config, nobody, overwrite=False)
+    assert done.status == "time-limit"
+    assert resumed(tmp_path / "run") == digest_of(whole)
+
+
 @pytest.fixture
 def stopped(
     deck: Path, tmp_path: Path, interrupt: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
