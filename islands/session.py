@@ -116,6 +116,7 @@ def _work(
             known = _events_until(this.folder, state.reports if state else 0)
         else:
             prepare()
+        spent = max((e.seconds for e in known if isinstance(e, RoundReport)), default=0.0)
         checkpoints = Checkpoints(this.folder, job.key, state)
         recorder = Fanout([Journal(this.folder, known), *listeners(config)])
 
@@ -127,7 +128,7 @@ def _work(
         try:
             with interruption:  # after Ray has set its own signals
                 done = run(
-                    job, executor, record, started,
+                    job, executor, record, started - spent,
                     keep=checkpoints.keep, state=state, run_id=this.run_id,
                 )  # fmt: skip
                 files = write_results(this.folder, job, this.deck, this.source, done)

@@ -108,6 +108,8 @@ def test_a_run_can_be_interrupted_between_any_two_rounds(
         assert resumed(folder) == digest_of(whole) == digest_of(folder)
         assert rounds_of(folder) == rounds_of(whole)
         events = read_journal(folder)
+        seconds = [event.seconds for event in events if isinstance(event, RoundReport)]
+        assert seconds == sorted(seconds)
         assert isinstance(events[-1], RunFinished)
         assert len({event.run_id for event in events if isinstance(event, RunStarted)}) == 1
 
