@@ -10,7 +10,7 @@ import numpy as np
 from islands.genetics import Breeding, next_generation
 from meshops.edit import Edit
 from meshops.mesh import Floats, Ids, Ints
-from meshops.operations import Operation, SearchSpace
+from meshops.operations import Operation, Remembering, SearchSpace
 from meshops.workpiece import Workpiece
 
 
@@ -94,5 +94,8 @@ def evolve(
     *_, last = generations(space, workpiece, breeding, rng)
     fit = np.isfinite(last.best_fitness) and (not improving or workpiece.accepts(last.best_tally))
     parameters = space.parameters(last.best) if fit else nothing
-    edit = operation.apply(workpiece, parameters)
+    if len(parameters) and isinstance(space, Remembering):
+        edit = space.edit_of(last.best)
+    else:
+        edit = operation.apply(workpiece, parameters)
     return Evolved(nothing if edit.is_empty else parameters, edit, last.evaluations)

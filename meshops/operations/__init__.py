@@ -13,7 +13,7 @@ from meshops.operations.edit_element import EditElement
 from meshops.operations.insert_chord import InsertChord
 from meshops.operations.join_trias import JoinTrias
 from meshops.operations.open_diagonal import OpenDiagonal
-from meshops.operations.protocol import Operation, SearchSpace
+from meshops.operations.protocol import Operation, Remembering, SearchSpace
 from meshops.operations.quick_edit import QuickEdit
 from meshops.operations.refine import Refine
 from meshops.operations.remesh import Remesh
@@ -71,6 +71,7 @@ __all__ = [
     "OPERATIONS",
     "PAPER_OPERATIONS",
     "Operation",
+    "Remembering",
     "Remesh",
     "RemeshRanges",
     "ReplaceNode",

@@ -113,11 +113,18 @@ class AnnealSpace:
         """Tally after annealing one place; NaN where that is not a valid mesh."""
         key = int(genome[0])
         if key not in self._tallies:
-            edit = annealed(self.workpiece, self._place(key))
+            edit = self.edit_of(genome)
             change = self.workpiece.tally_change(edit)
             nothing = np.full(TALLY_SIZE, np.nan)
             self._tallies[key] = nothing if edit.is_empty else self.workpiece.tally + change
         return self._tallies[key]
+
+    def edit_of(self, genome: Ids) -> Edit:
+        """Anneal one place, once."""
+        key = int(genome[0])
+        if key not in self._edits:
+            self._edits[key] = annealed(self.workpiece, self._place(key))
+        return self._edits[key]
 
     def parameters(self, genome: Ids) -> Ints:
         """(1, 4) int32: rank from 1, rings, temperature, seed; no row where nothing comes of it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -37,6 +37,14 @@ class SearchSpace(Protocol):
 
     def parameters(self, genome: Ids) -> Ints:
         """(K, C) int32 parameters that a procedure keeps of a genome; no rows: nothing is done."""
+
+
+@runtime_checkable
+class Remembering(Protocol):
+    """A search space that knows the edit of a genome that it has scored."""
+
+    def edit_of(self, genome: Ids) -> Edit:
+        """Edit that `Operation.apply` makes of the genome's parameters."""
 
 
 class Operation(Protocol):
