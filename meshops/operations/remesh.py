@@ -60,8 +60,7 @@ class Remesh:
             return Edit()
         if len(parameters) > 1:
             raise ValueError("Remesh takes one place at a time")
-        done = remesh_place(workpiece, parameters[0])
-        return join(workpiece.mesh, [edit for edit, _ in done if not edit.is_empty])
+        return join(workpiece.mesh, [edit for edit, _ in remesh_place(workpiece, parameters[0])])
 
     def format(self, parameters: Ints) -> str:
         """Places as ``3+2 r4 100% front``: rank and shift, rings, size; ``3-5`` for a strip.
@@ -81,7 +80,7 @@ class RemeshSpace:
 
     def __init__(self, workpiece: Workpiece) -> None:
         self.workpiece = workpiece
-        self._changes: dict[bytes, Floats | None] = {}
+        self._done: dict[bytes, list[tuple[Edit, Floats]]] = {}
         bad = len(workpiece.bad_elements)
         self.bounds: Ids = np.array(
             [bad, SHIFTS, MOST_RINGS, bad + 1, len(SIZES), len(METHODS)], np.int64
@@ -98,7 +97,7 @@ class RemeshSpace:
     def parameters(self, genome: Ids) -> Ints:
         """(1, 6) int32: the place, its ranks from 1; no row where it cannot be remeshed."""
         place = _place(genome)[None]
-        return place if self._change(genome) is not None else place[:0]
+        return place if self._remeshed(genome) else place[:0]
 
     def evaluate(self, genomes: Ids) -> Floats:
         """Remesh the place of each genome."""
@@ -106,19 +105,21 @@ class RemeshSpace:
 
     def tally(self, genome: Ids) -> Floats:
         """Tally after remeshing one place; NaN where no valid mesh comes out."""
-        change = self._change(genome)
-        return np.full(TALLY_SIZE, np.nan) if change is None else self.workpiece.tally + change
+        done = self._remeshed(genome)
+        if not done:
+            return np.full(TALLY_SIZE, np.nan)
+        tally: Floats = self.workpiece.tally + joint_change(self.workpiece, done)
+        return tally
 
-    def _change(self, genome: Ids) -> Floats | None:
+    def edit_of(self, genome: Ids) -> Edit:
+        """Remesh one place, once."""
+        return join(self.workpiece.mesh, [edit for edit, _ in self._remeshed(genome)])
+
+    def _remeshed(self, genome: Ids) -> list[tuple[Edit, Floats]]:
         key = genome.tobytes()
-        if key not in self._changes:
-            done = [
-                (edit, change)
-                for edit, change in remesh_place(self.workpiece, _place(genome))
-                if not edit.is_empty
-            ]
-            self._changes[key] = joint_change(self.workpiece, done) if done else None
-        return self._changes[key]
+        if key not in self._done:
+            self._done[key] = remesh_place(self.workpiece, _place(genome))
+        return self._done[key]
 
 
 def _place(genome: Ids) -> Ints:
@@ -128,12 +129,12 @@ def _place(genome: Ids) -> Ints:
 
 
 def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]:
-    """Remesh all patches of one place (6,): their edits and changes of the tally."""
+    """Remesh all patches of one place (6,): edits and changes of the tally where they succeed."""
     *_, size, method = place
     if not (0 <= size < len(SIZES) and 0 <= method < len(METHODS)):
         raise ValueError(f"a place to remesh has no size {size} or method {method}")
     base, scale = SIZES[size]
-    return [
+    done = [
         replace_patch(
             workpiece,
             rows,
@@ -143,6 +144,7 @@ def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]
         )
         for rows in components(workpiece.topology, select(workpiece, place))
     ]
+    return [(edit, change) for edit, change in done if not edit.is_empty]
 
 
 def select(workpiece: Workpiece, place: Ints) -> Bools:

@@ -100,6 +100,10 @@ class SmoothSpace:
         places = _places(genome)
         return places[:0] if self.edit(places).is_empty else places
 
+    def edit_of(self, genome: Ids) -> Edit:
+        """Smooth the places of a genome."""
+        return self.edit(_places(genome))
+
     def edit(self, places: Ints) -> Edit:
         """Smooth places (K, 3) one after the other."""
         if not len(places):
