@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import fields
-from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from islands.procedure import Round, read_round, round_document
 from islands.search import SearchState
 from meshops.errors import InputError
-from meshops.mesh import ShellMesh
+from meshops.mesh import ShellMesh, digest_of
 from meshops.operations import ALL_OPERATIONS
 
 if TYPE_CHECKING:
@@ -56,9 +55,8 @@ class Checkpoints:
         self._rounds: tuple[Round, ...] = ()
         self._entries = 0
         if state is None:
+            self.discard()
             self._start_stream(folder / ROUNDS)
-            for name in (CHECKPOINT, BEFORE):
-                (folder / name).unlink(missing_ok=True)
             return
         unfinished = folder / f".{ROUNDS}.part"
         self._start_stream(unfinished)
@@ -120,8 +118,10 @@ class Checkpoints:
             "entries": self._entries,
             "figures": figures,
         }
-        arrays = dict(_arrays(state))
-        rows = [("heading", np.frombuffer(json.dumps(heading).encode(), np.uint8)), *arrays.items()]
+        rows = [
+            ("heading", np.frombuffer(json.dumps(heading).encode(), np.uint8)),
+            *_arrays(state),
+        ]
         table = pa.table(
             {
                 "name": [name for name, _ in rows],
@@ -130,19 +130,15 @@ class Checkpoints:
                 "data": pa.array([array.tobytes() for _, array in rows], pa.large_binary()),
             }
         )
-        table = table.replace_schema_metadata({"digest": _digest(rows)})
+        table = table.replace_schema_metadata({"digest": digest_of(rows)})
         path = self._folder / CHECKPOINT
         unfinished = path.with_name(f".{CHECKPOINT}.part")
-        with unfinished.open("wb") as file, pa.ipc.new_file(file, table.schema) as writer:
-            writer.write_table(table)
-        _flush(unfinished)
+        with unfinished.open("wb") as file:
+            with pa.ipc.new_file(file, table.schema) as writer:
+                writer.write_table(table)
+            file.flush()
+            os.fsync(file.fileno())
         unfinished.replace(path)
-
-
-def _flush(path: Path) -> None:
-    """See that a file is on the disk."""
-    with path.open("rb") as file:
-        os.fsync(file.fileno())
 
 
 def latest_state(folder: Path, run: str) -> tuple[SearchState | None, str]:
@@ -184,7 +180,7 @@ def _read(path: Path, stream: Path, run: str) -> SearchState:
         heading = json.loads(bytes(rows[0][1]))
     except (pa.ArrowInvalid, OSError, ValueError, KeyError, IndexError, TypeError) as error:
         raise _DamagedError(str(error).splitlines()[0]) from None
-    if _digest(rows) != wanted:
+    if digest_of(rows) != wanted:
         raise _DamagedError("its digest differs")
     if heading["format"] != FORMAT:
         raise InputError(
@@ -232,22 +228,14 @@ def _batches(reader: pa.ipc.RecordBatchStreamReader) -> Iterator[pa.RecordBatch]
 
 
 def _arrays(state: SearchState) -> Iterator[tuple[str, NDArray[Any]]]:
-    yield "credit", np.ascontiguousarray(state.credit)
+    yield "credit", state.credit
     for name in _MESHES:
         mesh: ShellMesh = getattr(state, name)
         if name == "best" and state.best is state.mesh:
             continue
         for field in fields(mesh):
-            yield f"{name}.{field.name}", np.ascontiguousarray(getattr(mesh, field.name))
+            yield f"{name}.{field.name}", getattr(mesh, field.name)
 
 
 def _mesh(arrays: dict[str, NDArray[Any]], name: str) -> ShellMesh:
     return ShellMesh.build(**{f.name: arrays[f"{name}.{f.name}"] for f in fields(ShellMesh)})
-
-
-def _digest(rows: Sequence[tuple[str, NDArray[Any]]]) -> str:
-    found = blake2b(digest_size=16)
-    for name, array in rows:
-        found.update(f"{name} {array.dtype.str} {array.shape};".encode())
-        found.update(array.tobytes())
-    return found.hexdigest()

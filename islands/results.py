@@ -16,6 +16,8 @@ from meshops.pictures import draw
 from meshops.quality import element_index
 from tracking.journal import HISTORY
 
+RESULT = "result.json"
+
 
 def prepare_folder(folder: Path, source: Path, *, overwrite: bool) -> None:
     """Make the run folder.
@@ -54,7 +56,7 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
         "procedure.txt": done.text + "\n",
         "quality_before.txt": done.before.table() + "\n",
         "quality_after.txt": done.after.table() + "\n",
-        "result.json": json.dumps(result_document(job, done), indent=1) + "\n",
+        RESULT: json.dumps(result_document(job, done), indent=1) + "\n",
     }
     for name, text in texts.items():
         write_text(folder / name, text)

@@ -17,7 +17,7 @@ from typing import Any
 from islands.checkpoint import Checkpoints, latest_state
 from islands.config import Config, load_config
 from islands.interruption import Interruption
-from islands.results import prepare_folder, write_results, write_text
+from islands.results import RESULT, prepare_folder, write_results, write_text
 from islands.run import Finished, Job, run, start_executor
 from islands.search import SearchState
 from meshops.criteria_files import load_criteria
@@ -27,7 +27,7 @@ from tracking.events import Event, GenerationReport, Recorder, RoundReport
 from tracking.fanout import Fanout
 from tracking.journal import Journal, read_journal
 
-CONFIG, RUN, RESULT = "config.toml", "run.json", "result.json"
+CONFIG, RUN = "config.toml", "run.json"
 
 Listeners = Callable[[Config], Sequence[Recorder]]
 """Makes those that follow a run besides its journal."""
@@ -67,14 +67,15 @@ def optimize(
     deck, job = _read(source, config)
     this = _Run(folder, source, deck, job, uuid.uuid4().hex)
 
-    def prepare() -> None:
+    def begin() -> Sequence[Event]:
         prepare_folder(folder, source, overwrite=overwrite)
         (folder / RESULT).unlink(missing_ok=True)
         about = {"source": str(source.resolve()), "mesh": job.mesh.digest, "run": this.run_id}
         write_text(folder / CONFIG, config.to_toml())
         write_text(folder / RUN, json.dumps(about, indent=1) + "\n")
+        return ()
 
-    return _work(this, started, prepare, listeners)
+    return _work(this, started, begin, listeners)
 
 
 def resume(
@@ -100,22 +101,25 @@ def resume(
     state, sentence = latest_state(folder, job.key)
     if sentence:
         notify(f"{sentence} The run goes on from the checkpoint before it.")
-    return _work(_Run(folder, source, deck, job, about["run"], state), started, None, listeners)
+
+    def begin() -> Sequence[Event]:
+        return _events_until(folder, state.reports if state else 0)
+
+    return _work(_Run(folder, source, deck, job, about["run"], state), started, begin, listeners)
 
 
 def _work(
-    this: _Run, started: float, prepare: Callable[[], None] | None, listeners: Listeners
+    this: _Run, started: float, begin: Callable[[], Sequence[Event]], listeners: Listeners
 ) -> Finished:
-    """Run a job with everything around it; `prepare` makes the folder where it is a new one."""
+    """Run a job with everything around it.
+
+    `begin` makes the folder ready, once the backend has answered, and says what has happened.
+    """
     job, config, state = this.job, this.job.config, this.state
     interruption = Interruption()
     executor = start_executor(job, started + (config.time_limit or float("inf")), interruption.heed)
     try:
-        known: Sequence[Event] = ()
-        if prepare is None:
-            known = _events_until(this.folder, state.reports if state else 0)
-        else:
-            prepare()
+        known = begin()
         spent = max((e.seconds for e in known if isinstance(e, RoundReport)), default=0.0)
         checkpoints = Checkpoints(this.folder, job.key, state)
         recorder = Fanout([Journal(this.folder, known), *listeners(config)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -108,12 +109,7 @@ class ShellMesh:
     @cached_property
     def digest(self) -> str:
         """Hash of all arrays: equal digests, equal meshes."""
-        h = hashlib.blake2b(digest_size=16)
-        for name in self.__dataclass_fields__:
-            array = np.ascontiguousarray(getattr(self, name))
-            h.update(f"{name} {array.dtype.str} {array.shape};".encode())
-            h.update(array.data if array.size else b"")
-        return h.hexdigest()
+        return digest_of((name, getattr(self, name)) for name in self.__dataclass_fields__)
 
     def __getstate__(self) -> dict[str, object]:
         """Only the arrays travel; what is derived from them is made again where it is needed."""
@@ -124,6 +120,16 @@ class ShellMesh:
         for array in state.values():
             array.flags.writeable = False
         self.__dict__.update(state)
+
+
+def digest_of(arrays: Iterable[tuple[str, NDArray[Any]]]) -> str:
+    """Hash of named arrays: their names, types, shapes and values."""
+    h = hashlib.blake2b(digest_size=16)
+    for name, values in arrays:
+        array = np.ascontiguousarray(values)
+        h.update(f"{name} {array.dtype.str} {array.shape};".encode())
+        h.update(array.data if array.size else b"")
+    return h.hexdigest()
 
 
 def _frozen(values: ArrayLike, dtype: type) -> NDArray[Any]:
