@@ -91,11 +91,14 @@ class _Search:
     def run(self, start: ShellMesh | SearchState) -> Evolution:
         """Go on from round to round until there is a reason to stop."""
         status: Status = "finished"
-        self.state = start if isinstance(start, SearchState) else self._first(start)
-        self.workpiece = Workpiece(self.state.mesh, self.problem.setting)
-        self.best = Workpiece(self.state.best, self.problem.setting)
+        goes_on = isinstance(start, SearchState)
+        mesh = start.mesh if isinstance(start, SearchState) else start
+        self.workpiece = self.best = Workpiece(mesh, self.problem.setting)
+        self.state = start if isinstance(start, SearchState) else self._first()
+        if self.state.best is not mesh:
+            self.best = Workpiece(self.state.best, self.problem.setting)
         try:
-            if not isinstance(start, SearchState) and self.plan.rounds:
+            if self.plan.rounds and not goes_on:
                 self._slide()
             kept = -1
             while status == "finished" and not self.state.is_done:
@@ -107,11 +110,13 @@ class _Search:
             status = "interrupted"
         state = self.state
         rounds = state.rounds[: state.best_rounds]
-        return Evolution(state.best, rounds, state.evaluations, status, state.reason)
+        reason = state.reason if status == "finished" else ""
+        return Evolution(state.best, rounds, state.evaluations, status, reason)
 
-    def _first(self, mesh: ShellMesh) -> SearchState:
+    def _first(self) -> SearchState:
         # larger subdomains at once where places are dense, and small ones would be in the way
-        share = len(places(Workpiece(mesh, self.problem.setting))) / max(len(mesh.elements), 1)
+        mesh = self.workpiece.mesh
+        share = len(places(self.workpiece)) / max(len(mesh.elements), 1)
         level = min(DENSE_LEVEL, len(self.plan.extents) - 1) if share > DENSE else 0
         return SearchState(
             mesh=mesh,
@@ -152,12 +157,13 @@ class _Search:
             if self._looks_elsewhere():
                 return "finished"
             return self._end("nothing is left to gain")
+        before = self.best
         status = self._do_round(turn, found)
         if status != "finished":
             return status
         state, stopping = self.state, self.schedule.stopping
         reasons = stopping.of_run(state.evaluations, self._fitness(self.best))
-        if self.watch.is_enough(state.best):
+        if self.best is not before and self.watch.is_enough(state.best):
             reasons.append("the mesh is good enough")
         if reasons:
             self._set(reason="; ".join(reasons), is_done=True)
@@ -188,9 +194,10 @@ class _Search:
         state, turn = self.state, self.state.turn
         self.workpiece = self.best
         self._set(mesh=state.best, rounds=state.rounds[: state.best_rounds], turn=turn + 1)
-        found = subdomains(self.workpiece, TIDY, turn, "tidy") if turn < self.plan.tidy else []
-        if found:
-            return self._do_round(turn, found)
+        if turn < self.plan.tidy:
+            found = subdomains(self.workpiece, self._extent, turn, state.aim)
+            if found:
+                return self._do_round(turn, found)
         self._set(is_done=True)
         return "finished"
 

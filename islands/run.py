@@ -168,7 +168,7 @@ def improve(
 ) -> Finished:
     """Run a job in this process; its time limit counts from now.
 
-    A mesh that `is_enough`, which is asked after every round, ends it earlier.
+    A mesh that is the fittest so far and that `is_enough` ends it earlier.
     """
     started = time.monotonic()
     executor = start_executor(job, started + (job.config.time_limit or float("inf")))

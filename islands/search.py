@@ -105,7 +105,7 @@ class Watchers:
     keep : callable
         Takes the state after each round that was not cut short.
     is_enough : callable
-        Whether a mesh ends the search earlier; asked after every round.
+        Whether a mesh ends the search earlier; asked of each one that is the fittest so far.
     started : float
         The time.monotonic() from which seconds count.
     """

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from islands.island import IslandState
 
 
@@ -43,11 +41,12 @@ class Stopping:
             reasons.append(f"{evaluations} of {self.evaluations} evaluations are made")
         return reasons
 
-    def of_islands(self, islands: Sequence[IslandState]) -> list[str]:
-        """Reasons by the state of the islands of one archipelago."""
+    def of_both(self, islands: Sequence[IslandState]) -> list[str]:
+        """Reasons by the state of the islands of one archipelago that is the whole run."""
         if not all(island.generation for island in islands):
             return []
-        reasons = []
+        evaluations = sum(island.evaluations for island in islands)
+        reasons = self.of_run(evaluations, max(island.best_fitness for island in islands))
         stagnant = min(island.stagnant for island in islands)
         if self.stagnation is not None and stagnant >= self.stagnation:
             reasons.append(f"{stagnant} generations found nothing better")
@@ -57,11 +56,3 @@ class Stopping:
             if share < self.diversity:
                 reasons.append(f"{share:.0%} of the genomes differ")
         return reasons
-
-    def of_both(self, islands: Sequence[IslandState]) -> list[str]:
-        """Reasons where one archipelago is the whole run."""
-        if not all(island.generation for island in islands):
-            return []
-        evaluations = int(np.sum([island.evaluations for island in islands]))
-        fitness = max(island.best_fitness for island in islands)
-        return self.of_run(evaluations, fitness) + self.of_islands(islands)

@@ -34,7 +34,7 @@ def evolve_whole(
     reporter = _reporter(work, record, started)
     result = evolve_archipelago([work], schedule, executor, reporter.watch, reporter.post)
     done = _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
-    return replace(done, reason="; ".join(result.reasons) or done.reason)
+    return replace(done, reason="; ".join(result.reasons))
 
 
 def evolve_alone(
