@@ -157,7 +157,7 @@ def optimize(
     if "size" in given:
         given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
-    _end(session.optimize(mesh, out, config, _listeners(quiet), overwrite=overwrite), out)
+    _end(session.optimize(mesh, out, config, _listeners(quiet=quiet), overwrite=overwrite), out)
 
 
 @cli.command()
@@ -173,7 +173,7 @@ def resume(folder: Path, *, quiet: bool, **options: Any) -> None:
     from islands import session
 
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
-    done = session.resume(folder, given, _listeners(quiet), _tell)
+    done = session.resume(folder, given, _listeners(quiet=quiet), _tell)
     if done is None:
         click.echo(f"The run in {folder} has ended already.")
     else:
@@ -261,7 +261,7 @@ def dashboard(port: int) -> None:
     sys.exit(serve_dashboard(port, announce=click.echo))
 
 
-def _listeners(quiet: bool) -> Callable[[Config], Sequence[Recorder]]:  # noqa: FBT001
+def _listeners(*, quiet: bool) -> Callable[[Config], Sequence[Recorder]]:
     """Show progress and tell MLflow, as far as that is wanted."""
 
     def make(config: Config) -> Sequence[Recorder]:

@@ -10,14 +10,14 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from islands.archipelago import Schedule
-from islands.genetics import Breeding
+from islands.genetics import Breeding, Recombination, Scaling, Selection
 from islands.island import IslandPlan, OwnFitness
 from islands.migration import GivingWay, Leaving, Migration
 from islands.search import Plan
 from islands.stopping import Stopping
 from islands.topology import Link, Topology, TopologyKind
 from meshops.errors import InputError
-from meshops.fitness import IRREGULARITY, PRICE
+from meshops.fitness import IRREGULARITY, PRICE, FitnessKind
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
 from meshops.subdomain import Extent
 
@@ -79,11 +79,11 @@ class IslandConfig(BaseModel):
     crossover: float | None = Field(default=None, ge=0, le=1)
     mutation: float | None = Field(default=None, ge=0, le=1)
     elites: int | None = Field(default=None, ge=0)
-    scaling: Literal["proportional", "window"] | None = None
-    selection: Literal["roulette", "tournament", "rank"] | None = None
-    recombination: Literal["single-point", "two-point", "uniform"] | None = None
-    operations: tuple[str, ...] | None = Field(None, min_length=1)
-    fitness: Literal["trias", "quality", "quads"] | None = None
+    scaling: Scaling | None = None
+    selection: Selection | None = None
+    recombination: Recombination | None = None
+    operations: tuple[str, ...] | None = Field(default=None, min_length=1)
+    fitness: FitnessKind | None = None
     irregularity: float | None = Field(default=None, ge=0)
     price: float | None = Field(default=None, ge=0)
 
@@ -120,15 +120,15 @@ class Config(BaseModel):
     crossover: float = Field(0.9, ge=0, le=1)
     mutation: float = Field(0.1, ge=0, le=1)
     elites: int = Field(1, ge=0)
-    scaling: Literal["proportional", "window"] = "window"
+    scaling: Scaling = "window"
     rings: tuple[int, ...] = Field((3, 4, 6, 9, 40, 400), min_length=1)
     largest: tuple[int, ...] = Field((60, 100, 160, 300, 2000, 20000), min_length=1)
     rounds: int = Field(80, ge=0)
     patience: int = Field(6, ge=1)
     flow: int = Field(0, ge=0)
     tidy: int = Field(2, ge=0)
-    selection: Literal["roulette", "tournament", "rank"] = "roulette"
-    recombination: Literal["single-point", "two-point", "uniform"] = "single-point"
+    selection: Selection = "roulette"
+    recombination: Recombination = "single-point"
     topology: TopologyKind = "ring"
     degree: int = Field(4, ge=1)
     rewiring: float = Field(0.1, ge=0, le=1)
@@ -230,7 +230,7 @@ class Config(BaseModel):
             refuses_duplicates=self.refuse_duplicates,
             patience=self.migration_patience,
         )
-        own = self.island or (IslandConfig.model_validate({}),)
+        own = self.island or (IslandConfig(),)
         return tuple(
             self._plan(own[number % len(own)], migration) for number in range(self.islands)
         )
@@ -327,12 +327,13 @@ def _read(file: Path) -> dict[str, Any]:
 
 def _sentence(error: ValidationError, file: Path | None, given: Mapping[str, Any]) -> str:
     first = error.errors()[0]
-    key, table = str(first["loc"][-1]), len(first["loc"]) > 1 and first["loc"][0] == "island"
+    place = first["loc"]
+    table = place[0] == "island" and len(place) > 1
+    key = str(place[-1 if table else 0])
     if first["type"] == "extra_forbidden":
         fields = IslandConfig.model_fields if table else Config.model_fields
         known = ", ".join(name.replace("_", "-") for name in fields)
-        whose = f"of island {first['loc'][1]} " if table else ""
+        whose = f"of island {place[1]} " if table else ""
         return f'{file}: there is no setting {whose}"{key}"; the settings are {known}.'
-    key = key if table else str(first["loc"][0])
-    where = f"--{key}" if first["loc"][0] in given or file is None else f'{file}: "{key}"'
+    where = f"--{key}" if place[0] in given or file is None else f'{file}: "{key}"'
     return f"{where} is {first['input']!r}: {first['msg'][0].lower()}{first['msg'][1:]}."

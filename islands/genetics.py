@@ -12,6 +12,10 @@ import numpy as np
 
 from meshops.mesh import Floats, Ids
 
+Scaling = Literal["proportional", "window"]
+Selection = Literal["roulette", "tournament", "rank"]
+Recombination = Literal["single-point", "two-point", "uniform"]
+
 
 @dataclass(frozen=True)
 class Breeding:
@@ -43,9 +47,9 @@ class Breeding:
     crossover: float = 0.95
     mutation: float = 0.05
     elites: int = 0
-    scaling: Literal["proportional", "window"] = "proportional"
-    selection: Literal["roulette", "tournament", "rank"] = "roulette"
-    recombination: Literal["single-point", "two-point", "uniform"] = "single-point"
+    scaling: Scaling = "proportional"
+    selection: Selection = "roulette"
+    recombination: Recombination = "single-point"
 
 
 def roulette(

@@ -8,8 +8,6 @@ from islands.integration_ga import Problem
 from islands.procedure import Round
 from meshops.mesh import Floats
 from meshops.operations import NOTHING
-from meshops.operations.anneal import Anneal
-from meshops.operations.smooth import Smooth
 
 LEAST_RATE = 0.3
 """Of an even share: what an operation that never paid off is still drawn with."""
@@ -26,7 +24,7 @@ EXPERIENCE = {
 parts, in the first rounds of runs that began without any; half of that for `anneal`, which takes
 longest."""
 
-FLOW_RATES = {Anneal().code: 0.8, Smooth().code: 0.1}
+FLOW_RATES = {"anneal": 0.8, "smooth": 0.1}
 """How often operations are drawn in rounds for a better flow; the rest is nothing."""
 
 
@@ -42,13 +40,12 @@ def adapted_rates(credit: Floats) -> Floats:
 
 def first_credit(problem: Problem) -> Floats:
     """(C,) credit of each operation before the first round."""
-    names = {operation.code: operation.name for operation in problem.operations}
-    return np.array([EXPERIENCE.get(names.get(code, ""), 0.0) for code in problem.codes])
+    return np.array([EXPERIENCE.get(name, 0.0) for name in _names(problem)])
 
 
 def flow_rates(problem: Problem) -> Floats:
     """(C,) how often each operation is drawn where irregular nodes are to vanish."""
-    rates = np.array([FLOW_RATES.get(code, 0.0) for code in problem.codes])
+    rates = np.array([FLOW_RATES.get(name, 0.0) for name in _names(problem)])
     rates[problem.codes.index(NOTHING)] = max(0.0, 1.0 - rates.sum())
     normalised: Floats = rates / rates.sum()
     return normalised
@@ -62,9 +59,11 @@ def credits_of(done: Round, problem: Problem) -> Floats:
 
 def named_rates(problem: Problem) -> dict[str, float]:
     """Rates by the names of the operations, for reports."""
-    names = {operation.code: operation.name for operation in problem.operations}
     rates = problem.weights if problem.weights is not None else np.zeros(0)
-    return {
-        names.get(code, "nothing"): round(float(rate), 4)
-        for code, rate in zip(problem.codes, rates, strict=True)
-    }
+    return {name: round(float(rate), 4) for name, rate in zip(_names(problem), rates, strict=True)}
+
+
+def _names(problem: Problem) -> list[str]:
+    """Name what each of the problem's codes stands for."""
+    names = {operation.code: operation.name for operation in problem.operations}
+    return [names.get(code, "nothing") for code in problem.codes]
