@@ -108,13 +108,13 @@ def islands(job: Job, budget: Budget, seed: int) -> Curve:
     found = improved(replace(job, config=config, problem=problem), budget.seconds)
     count = job.problem.setting.fitness.elements + 1
     rounds = [
-        Reading(r.evaluations, r.seconds, r.failed, r.trias, 100 - r.failed - (r.trias + 1) / count)
+        Reading(r.performed, r.seconds, r.failed, r.trias, 100 - r.failed - (r.trias + 1) / count)
         for r in found.rounds
     ]
     first = Meter(job, budget).curve[0]
     last = Meter(replace(job, mesh=found.done.mesh), budget).curve[0]
     done = found.done
-    return (first, *rounds, replace(last, evaluations=done.evaluations, seconds=done.seconds))
+    return (first, *rounds, replace(last, evaluations=done.performed, seconds=done.seconds))
 
 
 def operation_gas(job: Job, budget: Budget, seed: int) -> Curve:

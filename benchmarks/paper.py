@@ -86,7 +86,7 @@ def trial(seed: int, settings: dict[str, Any]) -> Trial:
     executor = start_executor(job, float("inf"))
     done: Finished = run(job, executor, record, started)
     executor.close()
-    return Trial(seed, best, done.seconds, done.evaluations, done.after.trias, done.text)
+    return Trial(seed, best, done.seconds, done.performed, done.after.trias, done.text)
 
 
 def full(share: float) -> tuple[list[Row], dict[str, Any]]:

@@ -228,7 +228,7 @@ def _failed_row(case: str, done: Finished) -> Row:
 def _summary(done: Finished) -> dict[str, Any]:
     return {
         "seconds": done.seconds,
-        "evaluations": done.evaluations,
+        "evaluations": done.performed,
         "before": done.before.to_json(),
         "after": done.after.to_json(),
         "digest": done.mesh.digest,

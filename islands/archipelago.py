@@ -1,4 +1,10 @@
-"""Archipelago: islands that evolve side by side and exchange their best individuals."""
+"""Archipelago: islands that evolve side by side and exchange their best individuals.
+
+What is promised: what becomes of an archipelago follows from its work and its schedule alone, in
+whatever order and wherever its islands take their steps. Migrants leave at the end of an epoch as
+copies, arrive a fixed number of epochs later, exactly those, and in the order of their sources.
+What is not promised: how far islands that need not wait are ahead of each other at any moment.
+"""
 
 from __future__ import annotations
 
@@ -13,8 +19,11 @@ from islands.island import IslandPlan, IslandState, OwnFitness
 from islands.migration import Migrants
 from islands.stopping import Stopping
 from islands.topology import Link
+from meshops.mesh import Ids
 
 Status = Literal["finished", "time-limit", "interrupted"]
+
+Mode = Literal["synchronous", "overlapped"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +44,9 @@ class Schedule:
         Epochs later than the next generation that migrants arrive.
     stopping : Stopping
         What ends a work sooner; a run of many works has its own evaluations and target.
+    mode : "synchronous" or "overlapped"
+        Whether all islands begin a generation together, or each as soon as the migrants are known
+        that arrive before it. The answer is the same.
     """
 
     plans: tuple[IslandPlan, ...]
@@ -43,25 +55,227 @@ class Schedule:
     every: int = 1
     delay: int = 0
     stopping: Stopping = field(default_factory=Stopping)
+    mode: Mode = "synchronous"
 
     @property
     def islands(self) -> int:
         """Of each work."""
         return len(self.plans)
 
+    @property
+    def lead(self) -> int:
+        """Generations that an island may be ahead of the slowest."""
+        return 0 if self.mode == "synchronous" else self.every * (self.delay + 1)
+
+    def arrival(self, generation: int) -> int | None:
+        """Tell before which generation those arrive that leave after so many; None: nobody does."""
+        if generation % self.every:
+            return None
+        arrival = generation + self.delay * self.every
+        return arrival if arrival <= self.generations else None
+
+    def departure(self, generation: int) -> int | None:
+        """Tell after how many generations those left that arrive before this one; None: nobody."""
+        left = generation - self.delay * self.every
+        return left if left > 0 and left % self.every == 0 else None
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Migrants on their way from one island to another.
+
+    Attributes
+    ----------
+    source, target : int
+    arrival : int
+        The generation before which they arrive.
+    migrants : Migrants
+    """
+
+    source: int
+    target: int
+    arrival: int
+    migrants: Migrants
+
+    @property
+    def key(self) -> tuple[int, int, int]:
+        """When and where they arrive, and from where."""
+        return self.arrival, self.target, self.source
+
+
+@dataclass(frozen=True, eq=False)
+class Milestone:
+    """An archipelago when all of its islands have scored as many generations: it can go on from it.
+
+    Attributes
+    ----------
+    work : int
+        The number of its work.
+    islands : tuple of IslandState
+        Before those leave that move.
+    left : tuple of Group
+        Who has just left.
+    travelling : tuple of Group
+        All who are on their way, these among them.
+    is_last : bool
+    reasons : tuple of str
+        Why it is the last one before the last generation, where a rule of stopping said so.
+    """
+
+    work: int
+    islands: tuple[IslandState, ...]
+    left: tuple[Group, ...]
+    travelling: tuple[Group, ...]
+    is_last: bool
+    reasons: tuple[str, ...]
+
+    @property
+    def generation(self) -> int:
+        """How many generations are scored."""
+        return self.islands[0].generation
+
+
+Asked = tuple[IslandState, Migrants | None]
+"""A step that an island is to take, and who arrives before it."""
+
+
+class Archipelago:
+    """The islands of one work on their way.
+
+    It says which steps can be taken, and is told what came of them; it takes none itself.
+
+    Parameters
+    ----------
+    number : int
+        Of the work.
+    work : Work
+    schedule : Schedule
+    begun : Milestone or None
+        What it goes on from.
+    """
+
+    def __init__(
+        self, number: int, work: Work, schedule: Schedule, begun: Milestone | None = None
+    ) -> None:
+        self.number = number
+        self.work = work
+        self.schedule = schedule
+        self.is_over = begun is not None and begun.is_last
+        self._targets: dict[int, list[int]] = {}
+        self._sources: dict[int, list[int]] = {}
+        for source, target in sorted(schedule.links):
+            self._targets.setdefault(source, []).append(target)
+            self._sources.setdefault(target, []).append(source)
+        self._asked: set[int] = set()
+        self._scored: dict[int, dict[int, IslandState]] = {}
+        self._travelling: dict[tuple[int, int, int], Group] = {}
+        if begun is None:
+            self._passed = 0
+            self._states = [IslandState.first(number, i) for i in range(schedule.islands)]
+            return
+        self._passed = begun.generation
+        self._states = [self._without_movers(state) for state in begun.islands]
+        for group in begun.travelling:
+            self._travelling[group.key] = group
+
+    def ready(self) -> list[Asked]:
+        """Return the steps that can be taken now and were not given out before."""
+        if self.is_over:
+            return []
+        steps: list[Asked] = []
+        for state in self._states:
+            if state.island not in self._asked and self._can_step(state):
+                self._asked.add(state.island)
+                steps.append((state, self._arrivals(state)))
+        return steps
+
+    def take(self, state: IslandState) -> Iterator[Milestone]:
+        """Take an island after its step; milestones that are reached by it come in order."""
+        self._asked.discard(state.island)
+        self._scored.setdefault(state.generation, {})[state.island] = state
+        for group in self._departures(state):
+            self._travelling[group.key] = group
+        self._states[state.island] = self._without_movers(state)
+        while not self.is_over and len(self._scored.get(self._passed + 1, ())) == len(self._states):
+            self._passed += 1
+            yield self._milestone(self._scored.pop(self._passed))
+
+    def _can_step(self, state: IslandState) -> bool:
+        generation = state.generation
+        if generation > self.schedule.generations:
+            return False
+        if generation - self._passed > self.schedule.lead:
+            return False
+        left = self.schedule.departure(generation)
+        sources = self._sources.get(state.island, ())
+        return left is None or all(self._states[s].generation >= left for s in sources)
+
+    def _arrivals(self, state: IslandState) -> Migrants | None:
+        """Who arrives, in the order of the sources."""
+        sources = self._sources.get(state.island, ())
+        keys = [(state.generation, state.island, source) for source in sources]
+        groups = [self._travelling[key].migrants for key in keys if key in self._travelling]
+        return Migrants.join(groups) if groups else None
+
+    def _departures(self, state: IslandState) -> Iterator[Group]:
+        """Send migrants along all links of an island."""
+        arrival = self.schedule.arrival(state.generation)
+        if arrival is None:
+            return
+        moves, leaving = self._leaving(state)
+        targets = self._targets.get(state.island, ())
+        for i, target in enumerate(targets):
+            chosen = leaving[i :: len(targets)] if moves else leaving
+            if len(chosen):
+                yield Group(state.island, target, arrival, state.residents.take(chosen))
+
+    def _leaving(self, state: IslandState) -> tuple[bool, Ids]:
+        migration = self.schedule.plans[state.island].migration
+        return migration.moves, state.leaving[: migration.number(len(state.genomes))]
+
+    def _without_movers(self, state: IslandState) -> IslandState:
+        """Return an island as it goes on: those that move are gone then."""
+        moves, leaving = self._leaving(state)
+        has_left = self.schedule.arrival(state.generation) is not None
+        is_source = state.island in self._targets
+        return state.without(leaving) if moves and has_left and is_source else state
+
+    def _milestone(self, scored: dict[int, IslandState]) -> Milestone:
+        islands = tuple(scored[island] for island in range(len(self._states)))
+        passed, schedule = self._passed, self.schedule
+        # an island that is ahead has sent some already that this milestone knows nothing of
+        travelling = [
+            group
+            for key, group in sorted(self._travelling.items())
+            if group.arrival - schedule.delay * schedule.every <= passed <= group.arrival
+        ]
+        left = [g for g in travelling if schedule.arrival(passed) == g.arrival]
+        self._travelling = {k: g for k, g in self._travelling.items() if g.arrival >= passed}
+        reasons = tuple(schedule.stopping.of_both(islands))
+        is_solved = any(self.work.is_solved(state.best_tally) for state in islands)
+        self.is_over = bool(is_solved or reasons or passed > schedule.generations)
+        left.sort(key=lambda group: (group.source, group.target))
+        return Milestone(
+            self.number, islands, tuple(left), tuple(travelling), self.is_over, reasons
+        )
+
+
+def evolve_in_turn(
+    archipelago: Archipelago, step: Callable[[IslandState, Migrants | None], IslandState]
+) -> Iterator[Milestone]:
+    """Take all steps of an archipelago here, one after the other."""
+    while asked := archipelago.ready():
+        for state, immigrants in asked:
+            yield from archipelago.take(step(state, immigrants))
+
 
 class Executor(Protocol):
     """Where islands run. The rest of the program does not know which executor it has."""
 
-    def open(self, works: Sequence[Work]) -> None:
-        """Take the works that the next islands are busy with, in the place of earlier ones."""
+    def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
+        """Take all steps of all archipelagos, which say by their place in the list who they are.
 
-    def advance(
-        self, steps: Sequence[tuple[IslandState, Migrants | None]]
-    ) -> Iterator[IslandState]:
-        """Step each island by one generation; states come as they are ready, in any order.
-
-        Raises TimeUpError where the run's time is up before all are.
+        Milestones of one archipelago come in order. Raises TimeUpError where the run's time is up.
         """
 
     def close(self) -> None:
@@ -74,13 +288,14 @@ class TimeUpError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """How an archipelago ended.
+    """How archipelagos ended.
 
     Attributes
     ----------
     best : tuple of IslandState
         Of each work the island with the fittest procedure; the first of equals.
-    evaluations : int
+    evaluations, performed : int
+        Individuals of operation GAs that procedures asked for, and that were scored for that.
     status : "finished", "time-limit" or "interrupted"
     reasons : tuple of str
         Why the first work ended before its last generation, where a rule of stopping said so.
@@ -88,118 +303,51 @@ class Result:
 
     best: tuple[IslandState, ...]
     evaluations: int
+    performed: int
     status: Status
     reasons: tuple[str, ...] = ()
 
 
-Watch = Callable[[int, Sequence[IslandState]], None]
-"""Is told an island's number and its states, one a work, after each generation."""
-
-Post = Callable[[IslandState, int, Migrants], None]
-"""Is told of emigrants: the island that they leave, that they go to, and who they are."""
-
-
-def evolve_archipelago(
-    works: Sequence[Work],
-    schedule: Schedule,
+def evolve_archipelagos(
+    archipelagos: Sequence[Archipelago],
     executor: Executor,
-    watch: Watch,
-    post: Post,
+    watch: Callable[[Milestone], None],
 ) -> Result:
-    """Step all islands of all works to the last generation, migrants travelling in between.
+    """Evolve archipelagos to their ends; `watch` is told of each milestone.
 
-    The islands of each work are linked among themselves. Migrants leave after every epoch and
-    arrive before the next generation begins, or a fixed number of epochs later, by the number of
-    the generation and never by who is ready first. A work in which nothing is left to gain stops,
-    and so does one that a rule of `schedule.stopping` ends.
     Time limit and interruption end all of them with the best that was found until then.
     """
     status: Status = "finished"
-    states = [
-        [IslandState.first(work, island) for island in range(schedule.islands)]
-        for work in range(len(works))
-    ]
+    reached: dict[int, Milestone] = {}
     try:
-        executor.open(works)
-        travelling: dict[int, list[_Group]] = {}
-        for generation in range(schedule.generations + 1):
-            busy = [
-                row
-                for row, work in zip(states, works, strict=True)
-                if not (_done(row, work) or schedule.stopping.of_both(row))
-            ]
-            if not busy:
-                break
-            arriving = _arrivals(travelling.pop(generation, []))
-            steps = [(s, arriving.get((s.work, s.island))) for row in busy for s in row]
-            for state in executor.advance(steps):
-                states[state.work][state.island] = state
-            for island in range(schedule.islands):
-                watch(island, [row[island] for row in states])
-            if (generation + 1) % schedule.every == 0:
-                arrival = generation + 1 + schedule.delay * schedule.every
-                if arrival <= schedule.generations:
-                    travelling[arrival] = _departures(busy, schedule, post)
+        for milestone in executor.evolve(archipelagos):
+            reached[milestone.work] = milestone
+            watch(milestone)
     except TimeUpError:
         status = "time-limit"
     except KeyboardInterrupt:
         status = "interrupted"
-    best = tuple(
-        row[int(np.argmax(_fitness(row, work, schedule)))]
-        for row, work in zip(states, works, strict=True)
+    best = []
+    for number, archipelago in enumerate(archipelagos):
+        if number in reached:
+            islands = reached[number].islands
+            best.append(islands[int(np.argmax(_fitness(islands, archipelago)))])
+        else:
+            best.append(IslandState.first(number, 0))
+    states = [state for milestone in reached.values() for state in milestone.islands]
+    return Result(
+        tuple(best),
+        sum(state.evaluations for state in states),
+        sum(state.performed for state in states),
+        status,
+        reached[0].reasons if 0 in reached else (),
     )
-    reasons = tuple(schedule.stopping.of_both(states[0])) if states else ()
-    return Result(best, sum(s.evaluations for row in states for s in row), status, reasons)
 
 
-def _fitness(row: list[IslandState], work: Work, schedule: Schedule) -> list[float]:
+def _fitness(islands: Sequence[IslandState], archipelago: Archipelago) -> list[float]:
     """Fitness of the best of each island, by the run's measure where islands have their own."""
-    if all(plan.fitness == OwnFitness() for plan in schedule.plans):
-        return [state.best_fitness for state in row]
-    scoring, fitness = work.problem.setting.scoring, work.problem.fitness
-    return [
-        float(fitness.of(s.best_tally[None], scoring)[0]) if len(s.best_tally) else -np.inf
-        for s in row
-    ]
-
-
-def _done(row: list[IslandState], work: Work) -> bool:
-    return any(state.generation > 0 and work.is_solved(state.best_tally) for state in row)
-
-
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Migrants on their way."""
-
-    work: int
-    target: int
-    migrants: Migrants
-
-
-def _departures(busy: list[list[IslandState]], schedule: Schedule, post: Post) -> list[_Group]:
-    """Send migrants along all links, by source and then target; those that move are gone then."""
-    groups = []
-    targets: dict[int, list[int]] = {}
-    for source, target in schedule.links:
-        targets.setdefault(source, []).append(target)
-    for row in busy:
-        for source, goals in targets.items():
-            state, migration = row[source], schedule.plans[source].migration
-            leaving = state.leaving[: migration.number(len(state.genomes))]
-            for i, target in enumerate(goals):
-                chosen = leaving[i :: len(goals)] if migration.moves else leaving
-                if len(chosen):
-                    migrants = state.residents.take(chosen)
-                    groups.append(_Group(state.work, target, migrants))
-                    post(state, target, migrants)
-            if migration.moves:
-                row[source] = state.without(leaving)
-    return groups
-
-
-def _arrivals(groups: list[_Group]) -> dict[tuple[int, int], Migrants]:
-    """Migrants by the work and the island where they arrive, in the order of their sources."""
-    together: dict[tuple[int, int], list[Migrants]] = {}
-    for group in groups:
-        together.setdefault((group.work, group.target), []).append(group.migrants)
-    return {place: Migrants.join(some) for place, some in together.items()}
+    if all(plan.fitness == OwnFitness() for plan in archipelago.schedule.plans):
+        return [state.best_fitness for state in islands]
+    problem = archipelago.work.problem
+    tallies = np.stack([state.best_tally for state in islands])
+    return list(problem.fitness.of(tallies, problem.setting.scoring))

@@ -27,7 +27,7 @@ from meshops.operations import ALL_OPERATIONS
 if TYPE_CHECKING:
     import pyarrow as pa
 
-FORMAT = "meshipelago checkpoint 1"
+FORMAT = "meshipelago checkpoint 2"
 
 CHECKPOINT, BEFORE, ROUNDS = "checkpoint.arrow", "checkpoint-before.arrow", "rounds.arrow"
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-from islands.archipelago import Schedule
+from islands.archipelago import Mode, Schedule
 from islands.genetics import Breeding, Recombination, Scaling, Selection
 from islands.island import IslandPlan, OwnFitness
 from islands.migration import GivingWay, Leaving, Migration
@@ -55,9 +55,9 @@ ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
 """What running one operation GA alone sets: the settings of section 4.1 for it."""
 
 
-FREE = {"backend", "address", "workers", "time_limit", "track"}
+FREE = {"backend", "address", "workers", "mode", "time_limit", "evaluation_limit", "track"}
 """Settings that another run may have that ends with the same mesh: where, how long and in how many
-processes it works, and who is told of it."""
+processes it works, who waits for whom, and who is told of it."""
 
 _MODEL = ConfigDict(
     frozen=True,
@@ -142,6 +142,7 @@ class Config(BaseModel):
     refuse_duplicates: bool = False
     migration_patience: int = Field(0, ge=0)
     migration_delay: int = Field(0, ge=0)
+    mode: Mode = "synchronous"
     evaluations: int | None = Field(None, ge=1)
     target_fitness: float | None = None
     stagnation: int | None = Field(None, ge=1)
@@ -149,9 +150,10 @@ class Config(BaseModel):
     island: tuple[IslandConfig, ...] = ()
     seed: int = Field(1, ge=0)
     time_limit: float | None = Field(None, gt=0)
+    evaluation_limit: float = Field(600.0, gt=0)
     backend: Literal["local", "ray"] = "local"
     address: str | None = None
-    workers: int = Field(1, ge=1)
+    workers: int | None = Field(None, ge=1)
     track: str | None = None
     warm_start: str | None = None
 
@@ -216,6 +218,7 @@ class Config(BaseModel):
             stopping=Stopping(
                 self.evaluations, self.target_fitness, self.stagnation, self.diversity
             ),
+            mode=self.mode,
         )
 
     @property

@@ -14,7 +14,7 @@ from islands.genetics import Breeding
 from islands.operation_ga import evolve
 from islands.procedure import Step
 from meshops.edit import apply
-from meshops.fitness import Fitness
+from meshops.fitness import INVALID, Fitness
 from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
@@ -119,12 +119,16 @@ class Outcome:
         Without rows where the mesh stays as it was.
     evaluations : int
         Individuals that were scored.
+    fault : str
+        Why there is no answer, where the operation GA ended its process each time that it was
+        tried; no mesh follows from it then.
     """
 
     mesh: str
     tally: Floats
     parameters: Ints
     evaluations: int
+    fault: str = ""
 
 
 Handle = Any
@@ -142,11 +146,15 @@ class Work:
     least_trias : int
         The fewest trias that it can have. With so few and no failed element nothing is left to
         gain; -1 where every generation counts.
+    is_whole : bool
+        Whether it is a mesh as one place, whose operation GAs last long enough to be shared out,
+        and not one of many small parts.
     """
 
     problem: Problem
     mesh: ShellMesh
     least_trias: int = -1
+    is_whole: bool = False
 
     @cached_property
     def root(self) -> Outcome:
@@ -162,8 +170,31 @@ class Work:
 class Runner(Protocol):
     """Runs operation GAs."""
 
-    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
-        """Run each task on the mesh that its handle stands for; results in the same order."""
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
+        """Run each task on the mesh that its handle stands for; results in the same order.
+
+        The last of each says whether it was run for this, and not known before.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """What genomes led to.
+
+    Attributes
+    ----------
+    fitness : (P,) float64
+    tallies : (P, TALLY_SIZE) float64
+    steps : list of tuple of Step
+        One procedure a genome.
+    faults : tuple of str
+        Why some have the worst fitness and no mesh.
+    """
+
+    fitness: Floats
+    tallies: Floats
+    steps: list[tuple[Step, ...]]
+    faults: tuple[str, ...] = ()
 
 
 class Workbench:
@@ -219,6 +250,12 @@ class _Trail:
     best_fitness: float
     best_tally: Floats
     best_steps: int
+    fault: str = ""
+
+    def fail(self, reason: str) -> None:
+        """Give it the worst fitness: an operation of it has no answer."""
+        self.fault, self.best_steps = reason, 0
+        self.best_fitness, self.best_tally = INVALID, np.full_like(self.tally, np.nan)
 
 
 class Evaluator:
@@ -242,18 +279,13 @@ class Evaluator:
         self.runner = runner
         self.root = root
         self.root_handle = handle
-        self.evaluations = 0
+        self.evaluations = self.performed = 0
         self._is_enough = is_enough
         self._known: OrderedDict[Task, tuple[Outcome, Handle]] = OrderedDict()
         self._most = int(remembered_bytes / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
 
-    def evaluate(
-        self, genomes: Ids, fitness: Fitness | None = None
-    ) -> tuple[Floats, Floats, list[tuple[Step, ...]]]:
-        """Score genomes (P, G), by another fitness than the run's where one is given.
-
-        Returns fitness (P,), tallies (P, TALLY_SIZE) and the steps of each.
-        """
+    def evaluate(self, genomes: Ids, fitness: Fitness | None = None) -> Scored:
+        """Score genomes (P, G), by another fitness than the run's where one is given."""
         judge = fitness or self.problem.fitness
         root, at_first = self.root, self._score(judge, self.root.tally, 0)
         trails = [
@@ -265,13 +297,14 @@ class Evaluator:
             if any(self._is_enough(trail.tally) for trail in trails):
                 break
         if not self.problem.improving:
-            for trail in trails:
+            for trail in (trail for trail in trails if not trail.fault):
                 trail.best_fitness = self._score(judge, trail.tally, trail.used)
                 trail.best_tally, trail.best_steps = trail.tally, len(trail.steps)
-        return (
+        return Scored(
             np.array([trail.best_fitness for trail in trails]),
             np.stack([trail.best_tally for trail in trails]),
             [tuple(trail.steps[: trail.best_steps]) for trail in trails],
+            tuple(trail.fault for trail in trails if trail.fault),
         )
 
     def _score(self, fitness: Fitness, tally: Floats, used: int) -> float:
@@ -284,7 +317,9 @@ class Evaluator:
     def _advance(self, trails: list[_Trail], genes: Ids, judge: Fitness) -> None:
         codes = [self.problem.codes[gene] for gene in genes]
         tasks: list[Task | None] = [
-            None if code == NOTHING else Task(trail.mesh, code, trail.attempts.get(code, 0))
+            None
+            if code == NOTHING or trail.fault
+            else Task(trail.mesh, code, trail.attempts.get(code, 0))
             for trail, code in zip(trails, codes, strict=True)
         ]
         self._learn({t: x.handle for t, x in zip(tasks, trails, strict=True) if t is not None})
@@ -293,6 +328,10 @@ class Evaluator:
                 trail.steps.append(Step(NOTHING, np.zeros((0, 2), np.int32)))
                 continue
             outcome, handle = self._known[task]
+            self.evaluations += outcome.evaluations
+            if outcome.fault:
+                trail.fail(outcome.fault)
+                continue
             trail.steps.append(Step(task.code, outcome.parameters))
             if outcome.mesh == trail.mesh:
                 trail.attempts[task.code] = task.attempt + 1
@@ -309,9 +348,10 @@ class Evaluator:
 
     def _learn(self, wanted: dict[Task, Handle]) -> None:
         missing = [(task, handle) for task, handle in wanted.items() if task not in self._known]
-        for (task, _), result in zip(missing, self.runner.run(missing), strict=True):
-            self._known[task] = result
-            self.evaluations += result[0].evaluations
+        for (task, _), found in zip(missing, self.runner.run(missing), strict=True):
+            outcome, handle, was_run = found
+            self._known[task] = outcome, handle
+            self.performed += outcome.evaluations * was_run
         for task in wanted:
             self._known.move_to_end(task)
         while len(self._known) > max(self._most, len(wanted)):

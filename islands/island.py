@@ -12,6 +12,7 @@ from islands.integration_ga import Evaluator, Problem
 from islands.migration import Migrants, Migration, queue, settle
 from islands.procedure import Step
 from meshops.fitness import Fitness, FitnessKind
+from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import Floats, Ids
 from meshops.operations import NOTHING
 
@@ -37,14 +38,19 @@ class IslandState:
         Of the meshes that the genomes lead to.
     best_fitness : float
     best_tally : (TALLY_SIZE,) float64
+        NaN before there is one.
     best_steps : tuple of Step
         The fittest procedure that the island has seen.
     evaluations : int
-        Individuals of operation GAs that were scored for it.
+        Individuals of the operation GAs that its procedures asked for: the same everywhere.
+    performed : int
+        Those of them that were scored: fewer where others had asked for the same before.
     stagnant : int
         Generations since the fittest procedure was found.
     leaving : (P,) int64
         Rows of the individuals in the order in which they would leave.
+    faults : tuple of str
+        Why individuals of this generation could not be scored.
     """
 
     work: int
@@ -57,17 +63,28 @@ class IslandState:
     best_tally: Floats
     best_steps: tuple[Step, ...]
     evaluations: int
+    performed: int
     stagnant: int
     leaving: Ids
+    faults: tuple[str, ...] = ()
 
     @classmethod
     def first(cls, work: int, island: int) -> Self:
         """Make an island before its first generation."""
-        none = np.zeros(0)
-        no_genomes = np.zeros((0, 0), np.int64)
-        nobody = np.zeros(0, np.int64)
         return cls(
-            work, island, 0, no_genomes, none, np.zeros((0, 0)), -np.inf, none, (), 0, 0, nobody
+            work=work,
+            island=island,
+            generation=0,
+            genomes=np.zeros((0, 0), np.int64),
+            fitness=np.zeros(0),
+            tallies=np.zeros((0, TALLY_SIZE)),
+            best_fitness=-np.inf,
+            best_tally=np.full(TALLY_SIZE, np.nan),
+            best_steps=(),
+            evaluations=0,
+            performed=0,
+            stagnant=0,
+            leaving=np.zeros(0, np.int64),
         )
 
     @property
@@ -148,17 +165,20 @@ def step(
             immigrants = _judged_anew(immigrants, judge, problem)
         residents = _with(immigrants, state, plan.migration, migrating)
         genomes = next_generation(residents.genomes, residents.fitness, genomes, breeding, rng)
-    before = evaluator.evaluations
-    fitness, tallies, steps = evaluator.evaluate(genomes, judge)
+    evaluations, performed = evaluator.evaluations, evaluator.performed
+    scored = evaluator.evaluate(genomes, judge)
+    fitness = scored.fitness
     after = replace(
         state,
         generation=state.generation + 1,
         genomes=genomes,
         fitness=fitness,
-        tallies=tallies,
-        evaluations=state.evaluations + evaluator.evaluations - before,
+        tallies=scored.tallies,
+        evaluations=state.evaluations + evaluator.evaluations - evaluations,
+        performed=state.performed + evaluator.performed - performed,
         stagnant=state.stagnant + 1,
         leaving=queue(fitness, plan.migration, migrating),
+        faults=scored.faults,
     )
     top = int(np.argmax(fitness))
     if fitness[top] <= state.best_fitness:
@@ -166,8 +186,8 @@ def step(
     return replace(
         after,
         best_fitness=float(fitness[top]),
-        best_tally=tallies[top],
-        best_steps=steps[top],
+        best_tally=scored.tallies[top],
+        best_steps=scored.steps[top],
         stagnant=0,
     )
 

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from islands.archipelago import Milestone
 from islands.island import IslandState
-from islands.migration import Migrants
 from islands.procedure import steps_text
 from meshops.kernels.quality import FAILED, TRIAS, compound_index
 from meshops.mesh import Floats
 from meshops.operations import Operation
 from meshops.workpiece import Setting
-from tracking.events import Event, GenerationReport, MigrationReport
+from tracking.events import Event, FaultReport, GenerationReport, MigrationReport
 
 
-@dataclass(eq=False)
 class Reporter:
     """Makes reports of generations; the clock is read here and nowhere in the search.
 
-    The mesh as a whole is scored: its tally at the start of the round, and what the works change.
+    A generation is reported once all works have scored it or are over. The mesh as a whole is
+    scored: its tally at the start of the round, and what the works change.
 
-    Attributes
+    Parameters
     ----------
     record : callable
         Takes the events.
@@ -36,72 +35,121 @@ class Reporter:
         Of each work at the start of the round.
     generation : int
         Of the run, at which the round starts.
-    evaluations : int
+    evaluations, performed : int
         Before the round.
     started : float
         The time.monotonic() of the run's start.
     """
 
-    record: Callable[[Event], None]
-    setting: Setting
-    operations: tuple[Operation, ...]
-    tally: Floats
-    roots: Floats
-    generation: int
-    evaluations: int
-    started: float
+    def __init__(
+        self,
+        *,
+        record: Callable[[Event], None],
+        setting: Setting,
+        operations: tuple[Operation, ...],
+        tally: Floats,
+        roots: Floats,
+        generation: int,
+        evaluations: int,
+        performed: int,
+        started: float,
+        reported: int = 0,
+    ) -> None:
+        self._record = record
+        self._setting = setting
+        self._operations = operations
+        self._tally = tally
+        self._roots = roots
+        self._generation = generation
+        self._evaluations = evaluations
+        self._performed = performed
+        self._started = started
+        self._reported = reported
+        self._reached: list[list[Milestone]] = [[] for _ in roots]
 
-    def watch(self, island: int, states: Sequence[IslandState]) -> None:
+    def watch(self, milestone: Milestone) -> None:
+        """Take a milestone; reports follow as soon as a generation is complete."""
+        self._reached[milestone.work].append(milestone)
+        while self._is_complete(self._reported + 1):
+            self._reported += 1
+            self._report()
+            for i, reached in enumerate(self._reached):
+                newer = [m for m in reached if m.generation >= self._reported]
+                self._reached[i] = newer or reached[-1:]
+
+    def _is_complete(self, generation: int) -> bool:
+        last = [reached[-1] for reached in self._reached if reached]
+        return (
+            len(last) == len(self._reached)
+            and all(m.is_last or m.generation >= generation for m in last)
+            and any(m.generation >= generation for m in last)
+        )
+
+    def _report(self) -> None:
+        """Report a generation, island by island, and who leaves after it."""
+        now = [
+            next((m for m in reached if m.generation == self._reported), reached[-1])
+            for reached in self._reached
+        ]
+        for island in range(len(now[0].islands)):
+            self._report_island([milestone.islands[island] for milestone in now])
+        for milestone in now:
+            if milestone.generation == self._reported:
+                self._report_events(milestone)
+
+    def _report_island(self, states: list[IslandState]) -> None:
         """Report a generation of one island; individuals without a valid mesh count as 0.
 
         An individual of the whole is made of the works' individuals of the same rank.
         """
-        done = [state for state in states if state.generation > 0]
-        if not done:
-            return
-        roots = self.roots[[state.work for state in done]]
-        ranked = np.stack([s.tallies[np.argsort(-s.fitness, kind="stable")] for s in done])
-        wholes = self.tally + (ranked - roots[:, None]).sum(axis=0)
+        ranked = np.stack([s.tallies[np.argsort(-s.fitness, kind="stable")] for s in states])
+        wholes = self._tally + (ranked - self._roots[:, None]).sum(axis=0)
         fitness = self._fitness(wholes)
-        best = self.tally + (np.stack([s.best_tally for s in done]) - roots).sum(axis=0)
-        best_so_far = float(self._fitness(best[None])[0])
-        generation = self.generation + max(state.generation for state in done) - 1
-        self.record(
+        found = np.stack([state.best_tally for state in states])
+        found = np.where(np.isfinite(found), found, self._roots)
+        best = self._tally + (found - self._roots).sum(axis=0)
+        self._record(
             GenerationReport(
-                island=island,
-                generation=generation,
+                island=states[0].island,
+                generation=self._generation + self._reported - 1,
                 best=float(fitness.max()),
                 mean=float(fitness.mean()),
                 worst=float(fitness.min()),
-                best_so_far=best_so_far,
+                best_so_far=float(self._fitness(best[None])[0]),
                 trias=int(best[TRIAS]),
                 failed=int(best[FAILED]),
-                compound_qi=float(compound_index(best, *self.setting.scoring.arrays)),
-                evaluations=self.evaluations + sum(state.evaluations for state in done),
-                seconds=time.monotonic() - self.started,
-                procedure=self._procedure(done),
+                compound_qi=float(compound_index(best, *self._setting.scoring.arrays)),
+                evaluations=self._evaluations + sum(state.evaluations for state in states),
+                performed=self._performed + sum(state.performed for state in states),
+                seconds=time.monotonic() - self._started,
+                procedure=self._procedure(states),
             )
         )
 
-    def post(self, state: IslandState, target: int, leaving: Migrants) -> None:
-        """Report the emigrants of an island."""
-        for genome, fitness in zip(leaving.genomes, leaving.fitness, strict=True):
-            self.record(
-                MigrationReport(
-                    generation=self.generation + state.generation - 1,
-                    source=state.island,
-                    target=target,
-                    fitness=float(fitness),
-                    genome=tuple(int(gene) for gene in genome),
+    def _report_events(self, milestone: Milestone) -> None:
+        """Report emigrants, and individuals that could not be scored."""
+        generation = self._generation + milestone.generation - 1
+        for group in milestone.left:
+            for genome, fitness in zip(group.migrants.genomes, group.migrants.fitness, strict=True):
+                self._record(
+                    MigrationReport(
+                        generation=generation,
+                        source=group.source,
+                        target=group.target,
+                        fitness=float(fitness),
+                        genome=tuple(int(gene) for gene in genome),
+                    )
                 )
-            )
+        for state in milestone.islands:
+            for reason in state.faults:
+                self._record(FaultReport(generation, state.island, reason))
 
     def _fitness(self, tallies: Floats) -> Floats:
-        fitness = self.setting.fitness.of(tallies, self.setting.scoring)
+        fitness = self._setting.fitness.of(tallies, self._setting.scoring)
         return np.where(np.isfinite(fitness), fitness, 0.0)
 
     def _procedure(self, states: Sequence[IslandState]) -> str:
         if len(states) == 1:
-            return steps_text(states[0].best_steps, self.operations)
+            return steps_text(states[0].best_steps, self._operations)
         changed = sum(len(state.best_steps) > 0 for state in states)
         return f"{len(states)} places, {changed} of them changed"

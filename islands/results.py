@@ -74,6 +74,7 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
         "status": done.status,
         "seconds": round(done.seconds, 3),
         "evaluations": done.evaluations,
+        "performed": done.performed,
         "before": asdict(summary(done.before)),
         "after": asdict(summary(done.after)),
         "irregular_nodes": {"before": done.irregular_before, "after": done.irregular_after},

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
+from islands.archipelago import Archipelago, Executor, Schedule, Status, evolve_archipelagos
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
 from islands.procedure import Round, perform
@@ -111,7 +111,7 @@ class _Search:
         state = self.state
         rounds = state.rounds[: state.best_rounds]
         reason = state.reason if status == "finished" else ""
-        return Evolution(state.best, rounds, state.evaluations, status, reason)
+        return Evolution(state.best, rounds, state.evaluations, state.performed, status, reason)
 
     def _first(self) -> SearchState:
         # larger subdomains at once where places are dense, and small ones would be in the way
@@ -127,6 +127,7 @@ class _Search:
             turn=0,
             batches=0,
             evaluations=0,
+            performed=0,
             reports=0,
             level=level,
             first_level=level,
@@ -261,12 +262,15 @@ class _Search:
                 roots=roots,
                 generation=self.state.batches * (self.schedule.generations + 1),
                 evaluations=self.state.evaluations,
+                performed=self.state.performed,
                 started=self.watch.started,
             )
-            result = evolve_archipelago(batch, effort, self.executor, reporter.watch, reporter.post)
+            archipelagos = [Archipelago(i, work, effort) for i, work in enumerate(batch)]
+            result = evolve_archipelagos(archipelagos, self.executor, reporter.watch)
             self._set(
                 batches=self.state.batches + 1,
                 evaluations=self.state.evaluations + result.evaluations,
+                performed=self.state.performed + result.performed,
             )
             states += result.best
             for state, root in zip(result.best, roots, strict=True):
@@ -346,6 +350,7 @@ class _Search:
                 trias=int(tally[TRIAS]),
                 irregular=int(tally[IRREGULAR]),
                 evaluations=self.state.evaluations,
+                performed=self.state.performed,
                 seconds=time.monotonic() - self.watch.started,
                 rates=named_rates(problem),
             )

@@ -119,7 +119,7 @@ class Finished:
     text : str
         The procedure in the notation of Figure 10.
     fitness : float
-    evaluations : int
+    evaluations, performed : int
     seconds : float
     status : "finished", "time-limit" or "interrupted"
     before, after : QualityIndex
@@ -132,6 +132,7 @@ class Finished:
     text: str
     fitness: float
     evaluations: int
+    performed: int
     seconds: float
     status: Status
     before: QualityIndex
@@ -154,10 +155,16 @@ def start_executor(job: Job, deadline: float, heed: Callable[[], None] = lambda:
     """
     config = job.config
     if config.backend == "local":
-        return LocalExecutor(config.plans, workers=config.workers, deadline=deadline, heed=heed)
+        return LocalExecutor(workers=config.workers or 1, deadline=deadline, heed=heed)
     from islands.executors.ray import RayExecutor
 
-    return RayExecutor(config.plans, address=config.address, deadline=deadline, heed=heed)
+    return RayExecutor(
+        address=config.address,
+        workers=config.workers,
+        deadline=deadline,
+        limit=config.evaluation_limit,
+        heed=heed,
+    )
 
 
 def improve(
@@ -217,6 +224,7 @@ def run(
             fitness=finished.fitness,
             seconds=finished.seconds,
             evaluations=finished.evaluations,
+            performed=finished.performed,
             procedure=finished.text,
             digest=finished.mesh.digest,
         )
@@ -277,6 +285,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         text=procedure.text(ALL_OPERATIONS),
         fitness=float(setting.fitness.of(tally[None], setting.scoring)[0]),
         evaluations=evolution.evaluations,
+        performed=evolution.performed,
         seconds=time.monotonic() - started,
         status=evolution.status,
         before=before,

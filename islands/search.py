@@ -51,9 +51,9 @@ class SearchState:
     best_rounds : int
     credit : (C,) float64
         Of the operations, for what has paid off.
-    turn, batches, evaluations, reports : int
-        Rounds that were tried, batches of subdomains, individuals that were scored, rounds that
-        were reported.
+    turn, batches, evaluations, performed, reports : int
+        Rounds that were tried, batches of subdomains, individuals of operation GAs that were asked
+        for and that were scored for that, rounds that were reported.
     level, first_level, cycle : int
         Which extent comes next, which came first, and how often all of them brought no gain.
     aim : "faults", "flow" or "tidy"
@@ -72,6 +72,7 @@ class SearchState:
     turn: int
     batches: int
     evaluations: int
+    performed: int
     reports: int
     level: int
     first_level: int
@@ -90,6 +91,7 @@ class Evolution:
     mesh: ShellMesh
     rounds: tuple[Round, ...]
     evaluations: int
+    performed: int
     status: Status
     reason: str
 

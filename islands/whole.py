@@ -8,7 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from islands.archipelago import Executor, Schedule, Status, evolve_archipelago
+from islands.archipelago import (
+    Archipelago,
+    Executor,
+    Milestone,
+    Schedule,
+    Status,
+    evolve_archipelagos,
+)
 from islands.config import Config
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
@@ -30,11 +37,11 @@ def evolve_whole(
     started: float,
 ) -> Evolution:
     """Evolve one procedure for the whole mesh."""
-    work = Work(problem, mesh)
+    work = Work(problem, mesh, is_whole=True)
     reporter = _reporter(work, record, started)
-    result = evolve_archipelago([work], schedule, executor, reporter.watch, reporter.post)
+    result = evolve_archipelagos([Archipelago(0, work, schedule)], executor, reporter.watch)
     done = _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
-    return replace(done, reason="; ".join(result.reasons))
+    return replace(done, performed=result.performed, reason="; ".join(result.reasons))
 
 
 def evolve_alone(
@@ -74,8 +81,9 @@ def evolve_alone(
                 tallies=generation.tallies,
                 best_fitness=best,
                 evaluations=evaluations,
+                performed=evaluations,
             )
-            reporter.watch(0, [state])
+            reporter.watch(Milestone(0, (state,), (), (), is_last=False, reasons=()))
             if time.monotonic() >= deadline:
                 status = "time-limit"
                 break
@@ -93,6 +101,7 @@ def _reporter(work: Work, record: Callable[[Event], None], started: float) -> Re
         roots=work.root.tally[None],
         generation=0,
         evaluations=0,
+        performed=0,
         started=started,
     )
 
@@ -102,4 +111,4 @@ def _evolution(work: Work, steps: tuple[Step, ...], evaluations: int, status: St
     x, y, z = work.mesh.points.mean(axis=0).tolist()
     mesh = perform_steps(work.mesh, steps, problem.operations, problem.setting)
     rounds = (Round(None, 0, (Place((x, y, z), steps),)),)
-    return Evolution(mesh, rounds, evaluations, status, "")
+    return Evolution(mesh, rounds, evaluations, evaluations, status, "")

@@ -1,4 +1,4 @@
-"""The archipelago: rings of islands, one a work; when migrants travel, and when a work stops."""
+"""The archipelago: who steps when, which migrants arrive, and when a work stops."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -6,24 +6,29 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from islands.archipelago import (
+    Archipelago,
+    Asked,
+    Milestone,
+    Mode,
     Result,
     Schedule,
     TimeUpError,
-    evolve_archipelago,
+    evolve_archipelagos,
 )
 from islands.executors.local import LocalExecutor
 from islands.genetics import Breeding
 from islands.integration_ga import Work
 from islands.island import IslandPlan, IslandState
-from islands.migration import Migrants, Migration
+from islands.migration import Migration
+from islands.stopping import Stopping
 from islands.topology import Topology
+from meshops.kernels.quality import TALLY_SIZE
 from tests.decks import bad_plate
 from tests.jobs import problem_of
-
-Move = tuple[int, int, int, int]
-"""Work, generation, source, target."""
 
 
 @dataclass(frozen=True)
@@ -36,173 +41,295 @@ class Goal:
         return bool(tally[0] >= self.solved_at)
 
 
-class ScriptedExecutor:
-    """Steps islands without a mesh, in an order of its own, and remembers who arrived when."""
-
-    def __init__(self, order: Sequence[int], error: type[BaseException] | None = None) -> None:
-        self.order = order
-        self.error = error
-        self.arrived: list[tuple[int, int, int, float]] = []
-        self.stepped: list[tuple[int, int]] = []
-
-    def open(self, works: Sequence[Goal]) -> None:
-        self.works = works
-
-    def advance(
-        self, steps: Sequence[tuple[IslandState, Migrants | None]]
-    ) -> Iterator[IslandState]:
-        for before, immigrants in sorted(steps, key=lambda s: self.order[s[0].island]):
-            if self.error and before.generation == 2:
-                raise self.error
-            if immigrants is not None:
-                self.arrived.append(
-                    (before.work, before.generation, before.island, float(immigrants.fitness[0]))
-                )
-            self.stepped.append((before.work, before.generation))
-            fitness = 100.0 * before.work + 10.0 * before.generation + before.island
-            yield replace(
-                before,
-                generation=before.generation + 1,
-                genomes=np.full((2, 3), before.island),
-                fitness=np.full(2, fitness),
-                tallies=np.zeros((2, 1)),
-                leaving=np.arange(2),
-                best_fitness=fitness,
-                best_tally=np.array([before.generation + 1.0]),
-                evaluations=before.evaluations + 7,
-            )
-
-    def close(self) -> None:
-        pass
+def scripted_step(asked: Asked) -> IslandState:
+    """Step an island without a mesh: who it is and what has arrived decides all that follows."""
+    before, immigrants = asked
+    heard = 0.0
+    if immigrants is not None:
+        heard = float(immigrants.fitness @ np.arange(1.0, len(immigrants.fitness) + 1))
+    fitness = 100.0 * before.work + 10.0 * before.generation + before.island + heard * 1e-3
+    tally = np.zeros(TALLY_SIZE)
+    tally[0] = before.generation + 1.0
+    return replace(
+        before,
+        generation=before.generation + 1,
+        genomes=np.full((3, 3), before.island) + np.arange(3)[:, None],
+        fitness=fitness - np.arange(3.0),
+        tallies=np.zeros((3, TALLY_SIZE)),
+        leaving=np.arange(3),
+        best_fitness=fitness,
+        best_tally=tally,
+        evaluations=before.evaluations + 7,
+        performed=before.performed + 5,
+    )
 
 
 def schedule(
     islands: int,
     generations: int,
-    every: int = 1,
+    every: int = 2,
     delay: int = 0,
     topology: Topology = Topology(),  # noqa: B008 - a value
     migration: Migration = Migration(),  # noqa: B008
+    mode: Mode = "synchronous",
+    stopping: Stopping = Stopping(),  # noqa: B008
 ) -> Schedule:
     plan = IslandPlan(Breeding(individuals=3), 3, migration)
-    return Schedule((plan,) * islands, generations, topology.links(islands), every, delay)
+    links = topology.links(islands)
+    return Schedule((plan,) * islands, generations, links, every, delay, stopping, mode)
 
 
-def evolve(
-    order: Sequence[int],
-    works: Sequence[Goal] = (Goal(),),
-    generations: int = 5,
-    error: type[BaseException] | None = None,
-    **settings: Any,
-) -> tuple[ScriptedExecutor, list[Move], list[tuple[int, int]], Result]:
-    executor = ScriptedExecutor(order, error)
-    moves: list[Move] = []
-    watched: list[tuple[int, int]] = []
-    result = evolve_archipelago(
-        works,  # type: ignore[arg-type]
-        schedule(len(order), generations, every=2, **settings),
-        executor,  # type: ignore[arg-type]
-        lambda island, states: watched.append((island, len(states))),
-        lambda state, target, _: moves.append(
-            (state.work, state.generation - 1, state.island, target)
-        ),
+def archipelago(plan: Schedule, work: Goal = Goal(), number: int = 0) -> Archipelago:
+    return Archipelago(number, work, plan)  # type: ignore[arg-type]
+
+
+@dataclass
+class Voyage:
+    """An archipelago that has gone its way, in an order that chance or a list has chosen."""
+
+    milestones: list[Milestone]
+    asked: list[Asked]
+
+    @property
+    def arrived(self) -> list[tuple[int, int, tuple[float, ...]]]:
+        """Generation, island, and fitness of who arrived."""
+        return sorted(
+            (state.generation, state.island, tuple(migrants.fitness.tolist()))
+            for state, migrants in self.asked
+            if migrants is not None
+        )
+
+    @property
+    def moves(self) -> list[tuple[int, int, int]]:
+        """After how many generations, from where to where."""
+        return [(m.generation, g.source, g.target) for m in self.milestones for g in m.left]
+
+
+def sail(going: Archipelago, rng: np.random.Generator, most: int = 10**6) -> Voyage:
+    """Take the steps in any order, with as many at the same time as there can be."""
+    done, asked = Voyage([], []), going.ready()
+    while asked and len(done.milestones) < most:
+        chosen = asked.pop(int(rng.integers(len(asked))))
+        done.asked.append(chosen)
+        done.milestones += going.take(scripted_step(chosen))
+        asked += going.ready()
+    return done
+
+
+def same(one: Milestone, other: Milestone) -> bool:
+    """Whether two milestones hold the same, and what goes on from them will be the same."""
+
+    def content(milestone: Milestone) -> list[object]:
+        return [
+            milestone.generation,
+            milestone.is_last,
+            milestone.reasons,
+            [state.fitness.tolist() for state in milestone.islands],
+            [(group.key, group.migrants.fitness.tolist()) for group in milestone.travelling],
+            [group.key for group in milestone.left],
+        ]
+
+    return content(one) == content(other)
+
+
+@st.composite
+def schedules(draw: st.DrawFn) -> Schedule:
+    islands = draw(st.integers(1, 6))
+    kinds = ["unconnected", "ring", "two-way-ring", "star", "fully-connected"]
+    pairs = st.tuples(st.integers(0, islands - 1), st.integers(0, islands - 1))
+    edges = draw(st.lists(pairs.filter(lambda e: e[0] != e[1]), unique=True)) if islands > 1 else []
+    topology = draw(
+        st.sampled_from([Topology(k) for k in kinds] + [Topology("edges", edges=tuple(edges))] * 3)  # type: ignore[arg-type]
     )
-    return executor, moves, watched, result
+    return schedule(
+        islands,
+        draw(st.integers(0, 9)),
+        draw(st.integers(1, 3)),
+        draw(st.integers(0, 3)),
+        topology if edges or topology.kind != "edges" else Topology(),
+        Migration(count=draw(st.integers(0, 3)), moves=draw(st.booleans())),
+        draw(st.sampled_from(["synchronous", "overlapped"])),
+    )
 
 
-def test_migrants_arrive_by_generation_whoever_is_ready_first() -> None:
-    one, moves, _, _ = evolve([0, 1, 2])
-    other, _, _, _ = evolve([2, 0, 1])
-    # after generations 1 and 3, from each island to the next
-    assert sorted(one.arrived) == [
-        (0, 2, 0, 12.0), (0, 2, 1, 10.0), (0, 2, 2, 11.0),
-        (0, 4, 0, 32.0), (0, 4, 1, 30.0), (0, 4, 2, 31.0),
-    ]  # fmt: skip
-    assert sorted(one.arrived) == sorted(other.arrived)
-    assert moves == [(0, g, i, (i + 1) % 3) for g in (1, 3) for i in range(3)]
+@given(schedules(), st.integers(0, 99), st.integers(0, 99), st.integers(1, 10))
+def test_the_answer_depends_on_neither_mode_nor_order_nor_interruption(
+    plan: Schedule, seed: int, other_seed: int, begun: int
+) -> None:
+    one = sail(archipelago(plan), np.random.default_rng(seed))
+    other_mode: Mode = "overlapped" if plan.mode == "synchronous" else "synchronous"
+    other = sail(archipelago(replace(plan, mode=other_mode)), np.random.default_rng(other_seed))
+    assert [m.generation for m in one.milestones] == list(range(1, plan.generations + 2))
+    assert all(map(same, one.milestones, other.milestones))
+    assert one.arrived == other.arrived
+    start = one.milestones[min(begun, plan.generations + 1) - 1]
+    resumed = Archipelago(0, Goal(), plan, start)  # type: ignore[arg-type]
+    rest = sail(resumed, np.random.default_rng(other_seed))
+    assert len(rest.milestones) == plan.generations + 1 - start.generation
+    assert all(map(same, one.milestones[start.generation :], rest.milestones))
 
 
-def test_migrants_stay_within_their_work() -> None:
-    executor, moves, watched, result = evolve([0, 1, 2], [Goal(), Goal()])
-    assert {(work, int(fitness // 100)) for work, _, _, fitness in executor.arrived} == {
-        (0, 0), (1, 1)
-    }  # fmt: skip
-    alone, _, _, _ = evolve([0, 1, 2])
-    assert [a for a in executor.arrived if a[0] == 0] == alone.arrived
-    assert len(moves) == 12
-    assert watched == [(island, 2) for _ in range(6) for island in range(3)]
-    assert [state.work for state in result.best] == [0, 1]
-    assert [state.best_fitness for state in result.best] == [52.0, 152.0]
-    assert result.evaluations == 2 * 3 * 6 * 7
+@given(schedules(), st.integers(0, 99))
+def test_migrants_of_an_epoch_arrive_at_their_fixed_epoch_exactly_those_as_copies(
+    plan: Schedule, seed: int
+) -> None:
+    done = sail(archipelago(plan), np.random.default_rng(seed))
+    scored = {(s.generation, s.island): s for m in done.milestones for s in m.islands}
+    expected = []
+    for generation in range(plan.every, plan.generations + 1, plan.every):
+        arrival = generation + plan.delay * plan.every
+        for target in range(plan.islands if arrival <= plan.generations else 0):
+            groups: list[float] = []
+            for source in sorted(s for s, t in plan.links if t == target):
+                targets = sorted(t for s, t in plan.links if s == source)
+                migration = plan.plans[source].migration
+                leaving = scored[generation, source].fitness[: migration.number(3)]
+                if migration.moves:
+                    leaving = leaving[targets.index(target) :: len(targets)]
+                groups += leaving.tolist()
+            if groups:
+                expected.append((arrival, target, tuple(groups)))
+    assert done.arrived == sorted(expected)
+    for milestone in done.milestones:
+        for group in milestone.travelling:
+            source = scored[group.arrival - plan.delay * plan.every, group.source]
+            assert not np.shares_memory(group.migrants.genomes, source.genomes)
+            assert not np.shares_memory(group.migrants.fitness, source.fitness)
 
 
-def test_a_solved_work_stops_and_the_others_go_on() -> None:
-    executor, moves, _, result = evolve([0, 1], [Goal(3), Goal(), Goal(1)])
-    steps = [executor.stepped.count((work, g)) for work in range(3) for g in range(6)]
-    assert steps == [2, 2, 2, 0, 0, 0, 2, 2, 2, 2, 2, 2, 2, 0, 0, 0, 0, 0]
-    assert not [move for move in moves if move[0] == 2]
+@given(schedules(), st.integers(0, 99))
+def test_what_moves_is_gone_and_nobody_else(plan: Schedule, seed: int) -> None:
+    done = sail(archipelago(plan), np.random.default_rng(seed))
+    for state, _ in done.asked:
+        migration = plan.plans[state.island].migration
+        has_left = (
+            migration.moves
+            and any(source == state.island for source, _ in plan.links)
+            and plan.arrival(state.generation) is not None
+            and state.generation > 0
+        )
+        gone = int(np.isneginf(state.fitness).sum())
+        assert gone == (migration.number(3) if has_left else 0)
+
+
+@given(schedules(), st.integers(0, 99))
+def test_no_island_is_further_ahead_than_migrants_are_late(plan: Schedule, seed: int) -> None:
+    going, rng = archipelago(plan), np.random.default_rng(seed)
+    asked, passed = going.ready(), 0
+    while asked:
+        for state, _ in asked:
+            assert state.generation <= passed + plan.lead
+        passed += len(list(going.take(scripted_step(asked.pop(int(rng.integers(len(asked))))))))
+        asked += going.ready()
+    assert passed == plan.generations + 1
+
+
+def test_an_overlapped_island_does_not_wait_and_a_synchronous_one_does() -> None:
+    for mode, ahead in (("synchronous", 1), ("overlapped", 4)):
+        going = archipelago(schedule(2, 9, 2, 1, mode=mode))  # type: ignore[arg-type]
+        first, _ = going.ready()
+        steps = 0
+        while first:
+            list(going.take(scripted_step(first)))
+            steps += 1
+            (first,) = going.ready() or [None]  # type: ignore[list-item]
+        assert steps == ahead
+
+
+@pytest.mark.parametrize("mode", ["synchronous", "overlapped"])
+@pytest.mark.parametrize("solved_at", [1, 3])
+def test_a_solved_work_stops_at_that_generation_however_far_an_island_is(
+    mode: Mode, solved_at: int
+) -> None:
+    plan = schedule(3, 9, 1, 2, mode=mode)
+    going = archipelago(plan, Goal(solved_at))
+    # island 0 first, as far as it comes
+    asked, milestones = going.ready(), []
+    while asked:
+        asked.sort(key=lambda a: a[0].island)
+        milestones += going.take(scripted_step(asked.pop(0)))
+        asked += going.ready()
+    assert [m.generation for m in milestones] == list(range(1, solved_at + 1))
+    assert [m.is_last for m in milestones] == [False] * (solved_at - 1) + [True]
+    assert not going.ready()
+
+
+def test_a_rule_of_stopping_ends_a_work_and_its_reason_is_kept() -> None:
+    plan = schedule(2, 9, stopping=Stopping(target=30.0))
+    done = sail(archipelago(plan), np.random.default_rng(0))
+    assert done.milestones[-1].generation == 4
+    (reason,) = done.milestones[-1].reasons
+    assert reason.endswith("and 30 was asked for")
+
+
+# --- several works ------------------------------------------------------------------------------
+
+
+class ScriptedExecutor:
+    """Takes the steps of all archipelagos in turn."""
+
+    def __init__(self, error: type[BaseException] | None = None) -> None:
+        self.error = error
+
+    def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
+        while asked := [(a, one) for a in archipelagos for one in a.ready()]:
+            for going, one in asked:
+                if self.error and one[0].generation == 2:
+                    raise self.error
+                yield from going.take(scripted_step(one))
+
+    def close(self) -> None:
+        pass
+
+
+def evolve(works: Sequence[Goal], error: type[BaseException] | None = None) -> Result:
+    plan = schedule(3, 5)
+    going = [archipelago(plan, work, number) for number, work in enumerate(works)]
+    return evolve_archipelagos(going, ScriptedExecutor(error), lambda _: None)
+
+
+def test_works_are_evolved_side_by_side_and_summed_up() -> None:
+    result = evolve([Goal(), Goal(), Goal(1)])
     assert result.status == "finished"
-
-
-def test_all_works_solved_is_the_end() -> None:
-    executor, _, watched, _ = evolve([0, 1], [Goal(1), Goal(1)])
-    assert len(executor.stepped) == 4
-    assert watched == [(0, 2), (1, 2)]
+    assert [state.work for state in result.best] == [0, 1, 2]
+    assert [state.generation for state in result.best] == [6, 6, 1]
+    assert [state.island for state in result.best] == [2, 2, 2]
+    assert result.evaluations == 3 * (6 + 6 + 1) * 7
+    assert result.performed == 3 * (6 + 6 + 1) * 5
 
 
 @pytest.mark.parametrize(
     ("error", "status"), [(TimeUpError, "time-limit"), (KeyboardInterrupt, "interrupted")]
 )
 def test_what_was_found_until_the_end_is_kept(error: type[BaseException], status: str) -> None:
-    _, _, _, result = evolve([0, 1, 2], [Goal(), Goal()], error=error)
+    result = evolve([Goal(), Goal()], error)
     assert result.status == status
     assert [state.generation for state in result.best] == [2, 2]
-    assert result.best[0].best_fitness == 12.0
+    assert result.best[0].best_fitness >= 12.0
+
+
+def test_what_has_not_begun_has_no_steps() -> None:
+    class Late(ScriptedExecutor):
+        def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
+            raise TimeUpError
+            yield
+
+    going = [archipelago(schedule(2, 3))]
+    result = evolve_archipelagos(going, Late(), lambda _: None)
+    assert (result.status, result.evaluations) == ("time-limit", 0)
+    assert result.best[0].best_steps == ()
 
 
 def test_a_work_comes_out_the_same_whatever_is_beside_it() -> None:
     meshes = [bad_plate(4, 3, seed) for seed in (0, 1, 2)]
     works = [Work(problem_of(mesh), mesh) for mesh in meshes]
-    plan = schedule(2, 2)
+    plan = schedule(2, 2, every=1)
 
     def best(some: list[Work]) -> list[tuple[float, bytes]]:
-        executor = LocalExecutor(plan.plans)
-        result = evolve_archipelago(some, plan, executor, lambda *_: None, lambda *_: None)
+        going = [Archipelago(number, work, plan) for number, work in enumerate(some)]
+        result = evolve_archipelagos(going, LocalExecutor(), lambda _: None)
         return [(state.best_fitness, state.best_tally.tobytes()) for state in result.best]
 
-    together = best(works)
+    together: Any = best(works)
     assert together == [best([work])[0] for work in works]
     assert together[::-1] == best(works[::-1])
-
-
-@pytest.mark.parametrize("delay", [0, 1, 2])
-def test_migrants_of_an_epoch_arrive_a_fixed_number_of_epochs_later(delay: int) -> None:
-    executor, moves, _, _ = evolve([2, 0, 1], generations=9, delay=delay)
-    for _, generation, island, fitness in executor.arrived:
-        sent, source = divmod(fitness % 100, 10)
-        assert island == (source + 1) % 3
-        assert generation == sent + 1 + 2 * delay
-        assert (0, sent, source, island) in moves
-    assert {generation for _, generation, _, _ in executor.arrived} == set(
-        range(2 + 2 * delay, 10, 2)
-    )
-
-
-def test_what_moves_is_gone_and_goes_to_one_neighbour_alone() -> None:
-    star = Topology("star")
-    executor, moves, _, _ = evolve([0, 1, 2], generations=2, topology=star,
-                                   migration=Migration(count=2, moves=True))  # fmt: skip
-    # the middle deals two individuals to two neighbours, each of which sends both of its own
-    assert sorted((source, target) for _, _, source, target in moves) == [
-        (0, 1), (0, 2), (1, 0), (2, 0)
-    ]  # fmt: skip
-    assert [island for _, _, island, _ in executor.arrived] == [0, 1, 2]
-    state = replace(IslandState.first(0, 0), fitness=np.array([3.0, 4.0]))
-    assert state.without(np.array([1])).fitness.tolist() == [3.0, -np.inf]
-    assert state.fitness.tolist() == [3.0, 4.0]
-
-
-def test_without_links_islands_stay_alone() -> None:
-    executor, moves, _, _ = evolve([0, 1, 2], topology=Topology("unconnected"))
-    assert not executor.arrived
-    assert not moves

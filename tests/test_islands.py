@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from islands.archipelago import Schedule, TimeUpError, evolve_archipelago
+from islands.archipelago import Archipelago, Milestone, Schedule, TimeUpError, evolve_archipelagos
 from islands.config import Config, load_config
 from islands.executors.local import LocalExecutor, LocalRunner
 from islands.executors.pool import PoolRunner
@@ -43,7 +43,7 @@ class CountingRunner:
         self.inner = LocalRunner(problem, float("inf"))
         self.asked: list[Task] = []
 
-    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
         self.asked += [task for task, _ in jobs]
         return self.inner.run(jobs)
 
@@ -101,10 +101,10 @@ def test_processes_find_what_one_process_finds(mesh: ShellMesh) -> None:
         late.run(jobs)
     for runner in (pool, late):
         runner.close()
-    assert [outcome.mesh for outcome, _ in there] == [outcome.mesh for outcome, _ in here]
-    assert [found.digest for _, found in there] == [found.digest for _, found in here]
+    assert [outcome.mesh for outcome, _, _ in there] == [outcome.mesh for outcome, _, _ in here]
+    assert [found.digest for _, found, _ in there] == [found.digest for _, found, _ in here]
     # kernels are compiled for arrays that are read-only
-    assert not any(found.points.flags.writeable for _, found in there)
+    assert not any(found.points.flags.writeable for _, found, _ in there)
 
 
 def test_genes_are_drawn_as_often_as_their_weight_says(mesh: ShellMesh) -> None:
@@ -123,31 +123,38 @@ def test_genes_are_drawn_as_often_as_their_weight_says(mesh: ShellMesh) -> None:
 def test_common_prefixes_are_evaluated_once(mesh: ShellMesh) -> None:
     scorer, runner = evaluator(mesh, improving=False)
     genomes = np.array([[0, 0, 2], [0, 0, 1], [2, 0, 0], [0, 2, 0]])
-    fitness, _, steps = scorer.evaluate(genomes)
+    scored = scorer.evaluate(genomes)
     assert len(runner.asked) == len(set(runner.asked)) == 3
-    assert fitness[0] == fitness[2] == fitness[3]
-    assert [step.code for step in steps[3]] == [0, NOTHING, 0]
+    assert scored.fitness[0] == scored.fitness[2] == scored.fitness[3]
+    assert [step.code for step in scored.steps[3]] == [0, NOTHING, 0]
+    performed, evaluations = scorer.performed, scorer.evaluations
+    assert performed < evaluations
     scorer.evaluate(genomes)
     assert len(runner.asked) == 3
+    assert (scorer.performed, scorer.evaluations) == (performed, 2 * evaluations)
 
 
 def test_what_was_forgotten_is_found_again_the_same(mesh: ShellMesh) -> None:
     genomes = np.array([[0, 0, 1], [1, 0, 0], [1, 1, 2]])
     remembering, _ = evaluator(mesh)
-    expected = remembering.evaluate(genomes)[0]
+    expected = remembering.evaluate(genomes).fitness
     forgetful, runner = evaluator(mesh, remembered_bytes=0)
     for _ in range(2):
-        assert (forgetful.evaluate(genomes)[0] == expected).all()
+        assert (forgetful.evaluate(genomes).fitness == expected).all()
     assert len(runner.asked) > len(set(runner.asked))
+    remembering.evaluate(genomes)
+    assert forgetful.evaluations == remembering.evaluations
+    assert forgetful.performed > remembering.performed
 
 
 def test_doing_nothing_costs_nothing(mesh: ShellMesh) -> None:
     scorer, runner = evaluator(mesh)
-    fitness, tallies, steps = scorer.evaluate(np.full((1, 3), NOTHING))
+    scored = scorer.evaluate(np.full((1, 3), NOTHING))
     assert not runner.asked
-    assert steps == [()]
-    assert (tallies[0] == scorer.root.tally).all()
-    assert fitness[0] == scorer.problem.fitness.of(tallies, scorer.problem.setting.scoring)[0]
+    assert scored.steps == [()]
+    assert (scored.tallies[0] == scorer.root.tally).all()
+    expected = scorer.problem.fitness.of(scored.tallies, scorer.problem.setting.scoring)
+    assert scored.fitness[0] == expected[0]
 
 
 def test_an_operation_has_its_price(mesh: ShellMesh) -> None:
@@ -161,7 +168,8 @@ def test_a_procedure_ends_with_its_last_step_that_gains(mesh: ShellMesh) -> None
     """And its steps make the mesh of its tally."""
     genomes = np.array([[0, 0, 0, 0, 0, 1, 1, 2], [1, 0, 2, 0, 2, 2, 2, 2]])
     scorer, _ = evaluator(mesh)
-    fitness, tallies, steps = scorer.evaluate(genomes)
+    scored = scorer.evaluate(genomes)
+    fitness, tallies, steps = scored.fitness, scored.tallies, scored.steps
     before = scorer.problem.fitness.of(scorer.root.tally[None], scorer.problem.setting.scoring)[0]
     assert (fitness > before).all()
     for tally, done in zip(tallies, steps, strict=True):
@@ -177,10 +185,10 @@ def test_evaluation_stops_where_it_is_enough(mesh: ShellMesh) -> None:
     searching, all_asked = evaluator(mesh)
     searching.evaluate(genomes)
     content, asked = evaluator(mesh, is_enough=lambda _: True)
-    fitness, _, steps = content.evaluate(genomes)
+    scored = content.evaluate(genomes)
     assert len(asked.asked) == 2 < len(all_asked.asked)
-    assert all(len(done) <= 1 for done in steps)
-    assert len(fitness) == 2
+    assert all(len(done) <= 1 for done in scored.steps)
+    assert len(scored.fitness) == 2
 
 
 def test_a_work_is_solved_with_no_failed_element_and_the_fewest_trias(mesh: ShellMesh) -> None:
@@ -195,6 +203,48 @@ def test_a_work_is_solved_with_no_failed_element_and_the_fewest_trias(mesh: Shel
     assert not odd.is_solved(tally(0, 3))
     assert not odd.is_solved(tally(1, 1))
     assert not never.is_solved(tally(0, 0))
+
+
+class CrashingRunner(CountingRunner):
+    """A runner for which one task has no answer."""
+
+    def __init__(self, problem: Problem, crashing: int) -> None:
+        super().__init__(problem)
+        self.crashing = crashing
+
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
+        found = super().run(jobs)
+        return [
+            (replace(outcome, fault="it crashed", evaluations=0), mesh, was_run)
+            if task.code == self.crashing
+            else (outcome, mesh, was_run)
+            for (task, _), (outcome, mesh, was_run) in zip(jobs, found, strict=True)
+        ]
+
+
+@pytest.mark.parametrize("improving", [True, False])
+def test_an_individual_without_an_answer_has_the_worst_fitness_and_its_reason(
+    mesh: ShellMesh,
+    improving: bool,  # noqa: FBT001
+) -> None:
+    problem = replace(problem_of(mesh), improving=improving)
+    genomes = np.array([[0, 0, 2], [0, 1, 0], [2, 0, 0]])
+    root = Work(problem, mesh).root
+    scorer = Evaluator(problem, CrashingRunner(problem, 1), root, mesh)
+    scored = scorer.evaluate(genomes)
+    healthy = Evaluator(problem, LocalRunner(problem, float("inf")), root, mesh).evaluate(genomes)
+    assert scored.fitness[1] == -np.inf
+    assert np.isnan(scored.tallies[1]).all()
+    assert scored.steps[1] == ()
+    assert scored.faults == ("it crashed",)
+    assert (scored.fitness[[0, 2]] == healthy.fitness[[0, 2]]).all()
+    assert healthy.faults == ()
+    plan = IslandPlan(Breeding(individuals=6), 3, Migration())
+    state = IslandState.first(0, 0)
+    for _ in range(4):
+        state = step(state, None, scorer, plan)
+    assert np.isfinite(state.best_fitness)
+    assert np.isfinite(state.fitness).any()
 
 
 # --- islands ------------------------------------------------------------------------------------
@@ -267,17 +317,12 @@ def test_the_best_of_islands_that_judge_otherwise_is_the_best_by_the_measure_of_
     generous = replace(usual, fitness=OwnFitness(kind="trias", price=0.0))
     for plans in ((usual, generous), (generous, usual)):
         schedule = Schedule(plans, 1)
-        executor = LocalExecutor(plans)
-        seen: dict[int, IslandState] = {}
-        result = evolve_archipelago(
-            [work],
-            schedule,
-            executor,
-            lambda island, states, seen=seen: seen.update({island: states[0]}),
-            lambda *_: None,
-        )
+        seen: list[Milestone] = []
+        going = Archipelago(0, work, schedule)
+        result = evolve_archipelagos([going], LocalExecutor(), seen.append)
         scoring = work.problem.setting.scoring
-        best = [float(work.problem.fitness.of(seen[i].best_tally[None], scoring)[0]) for i in seen]
+        tallies = np.stack([state.best_tally for state in seen[-1].islands])
+        best = work.problem.fitness.of(tallies, scoring).tolist()
         (found,) = work.problem.fitness.of(result.best[0].best_tally[None], scoring)
         assert found == max(best)
 

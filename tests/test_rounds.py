@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from benchmarks.measures import singular_nodes
-from islands.archipelago import TimeUpError
+from islands.archipelago import Archipelago, Milestone, TimeUpError
 from islands.executors.local import LocalExecutor
-from islands.island import IslandState
-from islands.migration import Migrants
 from islands.procedure import Place, Procedure, Round, Step, perform
 from islands.rates import adapted_rates, credits_of, first_credit, named_rates
 from islands.rounds import moving_on
@@ -180,32 +178,29 @@ def test_another_seed_searches_otherwise(
 
 
 class EndingExecutor(LocalExecutor):
-    """Ends after so many generations of all islands, as the clock or the user would."""
+    """Ends within a round, as the clock or the user would."""
 
-    def __init__(self, error: type[BaseException], generations: int) -> None:
-        config = job(bad_plate()).config
-        super().__init__(config.plans)
+    def __init__(self, error: type[BaseException], rounds: int) -> None:
+        super().__init__()
         self.error = error
-        self.left = generations
+        self.left = rounds
 
-    def advance(
-        self, steps: Sequence[tuple[IslandState, Migrants | None]]
-    ) -> Iterator[IslandState]:
+    def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
         self.left -= 1
-        for number, state in enumerate(super().advance(steps)):
-            if self.left <= 0 and number == len(steps) // 2:
+        for number, archipelago in enumerate(archipelagos):
+            if self.left <= 0 and number == len(archipelagos) // 2:
                 raise self.error
-            yield state
+            yield from super().evolve([archipelago])
 
 
-@pytest.mark.parametrize("generations", [1, 2])
+@pytest.mark.parametrize("rounds", [1, 2])
 @pytest.mark.parametrize(
     ("error", "status"), [(TimeUpError, "time-limit"), (KeyboardInterrupt, "interrupted")]
 )
 def test_an_end_before_the_end_keeps_what_was_done(
-    mesh: ShellMesh, error: type[BaseException], status: str, generations: int
+    mesh: ShellMesh, error: type[BaseException], status: str, rounds: int
 ) -> None:
-    done = finish(job(mesh, slide=False), executor=EndingExecutor(error, generations))
+    done = finish(job(mesh, slide=False), executor=EndingExecutor(error, rounds))
     assert done.status == status
     assert faults(done.mesh) < faults(mesh)
     assert replayed(mesh, done).digest == done.mesh.digest
@@ -223,7 +218,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
             raise KeyboardInterrupt
 
     work = job(mesh, slide=False)
-    executor = LocalExecutor(work.config.plans)
+    executor = LocalExecutor()
     try:
         done = run(work, executor, record, 0.0)
     except KeyboardInterrupt:
@@ -236,7 +231,7 @@ def test_an_interrupt_between_two_generations_keeps_what_was_done(
 
 def test_without_any_time_the_mesh_stays_as_it_is(mesh: ShellMesh) -> None:
     work = job(mesh, time_limit=60.0, slide=False)
-    executor = LocalExecutor(work.config.plans, deadline=-1.0)
+    executor = LocalExecutor(deadline=-1.0)
     done = finish(work, executor=executor)
     assert done.status == "time-limit"
     assert done.mesh.digest == mesh.digest == replayed(mesh, done).digest

@@ -65,7 +65,7 @@ def test_more_generations_continue_the_same_search(mesh: ShellMesh) -> None:
 
 def test_the_time_limit_ends_a_run_with_the_best_so_far(mesh: ShellMesh) -> None:
     work = whole_job(mesh, time_limit=60.0)
-    done = finish(work, executor=LocalExecutor(work.config.plans, deadline=-1.0))
+    done = finish(work, executor=LocalExecutor(deadline=-1.0))
     assert done.status == "time-limit"
     assert done.mesh.digest == mesh.digest
 

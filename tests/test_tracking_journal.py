@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from tracking.errors import TrackingError
 from tracking.events import (
+    FaultReport,
     GenerationReport,
     MeshSummary,
     MigrationReport,
@@ -40,6 +41,7 @@ reports = st.builds(
     failed=counts,
     compound_qi=figures,
     evaluations=counts,
+    performed=counts,
     seconds=figures,
     procedure=st.text(st.characters(exclude_categories=["Cs"]), max_size=20),
 )
@@ -65,6 +67,7 @@ ends = st.builds(
     fitness=figures,
     seconds=figures,
     evaluations=counts,
+    performed=counts,
     procedure=words,
     digest=words,
 )
@@ -78,12 +81,14 @@ rounds = st.builds(
     failed=counts,
     trias=counts,
     evaluations=counts,
+    performed=counts,
     seconds=figures,
     rates=st.dictionaries(words, figures, max_size=3),
 )
-events = st.lists(reports | migrations | rounds | starts | ends, max_size=12)
+faults = st.builds(FaultReport, counts, counts, words)
+events = st.lists(reports | migrations | faults | rounds | starts | ends, max_size=12)
 
-REPORT = GenerationReport(0, 0, 9.0, 8.0, 7.0, 9.0, 3, 2, 1.5, 10, 0.5, "0 1-2\n2 -")
+REPORT = GenerationReport(0, 0, 9.0, 8.0, 7.0, 9.0, 3, 2, 1.5, 10, 9, 0.5, "0 1-2\n2 -")
 MOVE = MigrationReport(5, 0, 1, 92.0, (2, 0, 1))
 
 

@@ -22,15 +22,17 @@ AFTER = MeshSummary(elements=98, quads=94, trias=4, failed=0, compound_qi=0.5)
 START = RunStarted(
     "plate", "run-1", 7, "local", 2, {"ga.size": 10, "long": "x" * 7000, "odd(key)": True}, BEFORE
 )
-END = RunFinished("finished", "all generations done", AFTER, 96.0, 12.3, 1200, "0 1-2\n2 -", "abc")
-GENERATIONS = 120  # 1080 points an island: more than one batch
-POINTS_A_REPORT = 9
+END = RunFinished(
+    "finished", "all generations done", AFTER, 96.0, 12.3, 1200, 900, "0 1-2\n2 -", "abc"
+)
+GENERATIONS = 120  # 1200 points an island: more than one batch
+POINTS_A_REPORT = 10
 POINTS_OF_ENDS = 11
 
 
 def report(island, generation):
     best = float(10 * generation + island)
-    return GenerationReport(island, generation, best, 5.0, 1.0, best, 8, 4, 1.2, 3, 0.5, "0 1-2")
+    return GenerationReport(island, generation, best, 5.0, 1.0, best, 8, 4, 1.2, 4, 3, 0.5, "0 1-2")
 
 
 def record_run(recorder, *, start=START, end=END, generations=GENERATIONS, files=()):
@@ -152,7 +154,7 @@ def test_a_resumed_run_goes_on_in_its_record(client, experiment, outputs_and_sto
     recorder = MlflowRecorder(f"sqlite:///{outputs_and_store[1]}", notify=sentences.append)
     recorder.record(replace(START, run_id="run-2", settings={"ga.size": 20, "more": 1}))
     recorder.record(report(0, GENERATIONS))
-    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 8, 4200, 33.3, {"swap-edge": 0.25}))
+    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 8, 4200, 2100, 33.3, {"swap-edge": 0.25}))
     recorder.record(END)
     recorder.close()
     assert sentences == []
@@ -252,7 +254,7 @@ def test_a_server_that_is_not_there_does_not_hold_the_run_up():
     recorder.close()
     assert time.monotonic() - start < 30.0
     assert "does not answer" in sentences[0]
-    assert "14 points" in sentences[1]
+    assert "15 points" in sentences[1]
     assert len(sentences) == 2
 
 

@@ -7,7 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tracking.events import GenerationReport, MeshSummary, RoundReport, RunFinished, RunStarted
+from tracking.events import (
+    FaultReport,
+    GenerationReport,
+    MeshSummary,
+    RoundReport,
+    RunFinished,
+    RunStarted,
+)
 from tracking.fanout import Fanout
 from tracking.metrics import Metrics
 from tracking.overview import ALL_ISLANDS, Overview
@@ -17,20 +24,28 @@ from tracking.report import NOTE_LENGTH, markdown_report
 BEFORE = MeshSummary(elements=120, quads=109, trias=11, failed=12, compound_qi=3.21)
 AFTER = MeshSummary(elements=98, quads=94, trias=4, failed=0, compound_qi=0.5)
 START = RunStarted("plate", "id", 7, "local", 2, {"islands": 2}, BEFORE)
-END = RunFinished("finished", "all generations done", AFTER, 96.0, 12.3, 1200, "0 1-2\n2 -", "abc")
+END = RunFinished(
+    "finished", "all generations done", AFTER, 96.0, 12.3, 1200, 900, "0 1-2\n2 -", "abc"
+)
 
-ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 8, 4200, 33.35, {"remesh": 0.25, "nothing": 0.75})
+ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 8, 4200, 2100, 33.35, {"remesh": 0.25, "nothing": 0.75})
 
 
 def report(island=1, generation=3, best=90.0, best_so_far=92.0):
     return GenerationReport(
-        island, generation, best, 80.0, 70.0, best_so_far, 8, 4, 1.234, 1200, 12.34, "0 1-2"
+        island, generation, best, 80.0, 70.0, best_so_far, 8, 4, 1.234, 1200, 900, 12.34, "0 1-2"
     )
 
 
 class Terminal(io.StringIO):
     def isatty(self):
         return True
+
+
+def test_individuals_that_could_not_be_scored_are_told_with_their_reason():
+    stream = io.StringIO()
+    ProgressLines(stream).record(FaultReport(3, 1, "it crashed"))
+    assert "generation 3  island 1  not scored: it crashed" in stream.getvalue()
 
 
 def test_a_generation_is_summed_up_when_all_islands_have_reported_it():
@@ -40,7 +55,14 @@ def test_a_generation_is_summed_up_when_all_islands_have_reported_it():
     assert overview.add(first) == []
     (summed,) = overview.add(second)
     assert summed == replace(
-        first, island=ALL_ISLANDS, best=91.0, mean=70.0, worst=10.0, evaluations=2400, seconds=20.0
+        first,
+        island=ALL_ISLANDS,
+        best=91.0,
+        mean=70.0,
+        worst=10.0,
+        evaluations=2400,
+        performed=1800,
+        seconds=20.0,
     )
     assert overview.rest() == []
 
@@ -101,6 +123,7 @@ def test_metrics_of_a_run():
         "mesh/failed": 4.0,
         "mesh/compound_qi": 1.234,
         "cost/evaluations": 1200.0,
+        "cost/known_before": 0.25,
         "cost/seconds": 12.34,
     }
     points = list(metrics.points(ROUND, 3))

@@ -79,8 +79,9 @@ class GenerationReport:
         Fitness of the island's best procedure so far.
     trias, failed, compound_qi
         Of the mesh that the best procedure so far makes.
-    evaluations : int
-        Procedures that this island has evaluated since the start of the run.
+    evaluations, performed : int
+        Individuals of operation GAs that this island's procedures asked for since the start of the
+        run, and those of them that were scored: the others were known.
     seconds : float
         Time since the start of the run.
     procedure : str
@@ -97,6 +98,7 @@ class GenerationReport:
     failed: int
     compound_qi: float
     evaluations: int
+    performed: int
     seconds: float
     procedure: str
 
@@ -113,6 +115,21 @@ class MigrationReport:
 
 
 @dataclass(frozen=True)
+class FaultReport:
+    """An individual could not be scored, and has the worst fitness for that.
+
+    Attributes
+    ----------
+    generation, island : int
+    reason : str
+    """
+
+    generation: int
+    island: int
+    reason: str
+
+
+@dataclass(frozen=True)
 class RoundReport:
     """What a round over all bad places of a mesh has brought.
 
@@ -126,8 +143,8 @@ class RoundReport:
         Places that were worked on, those that are better now, those without a fault now.
     failed, trias, irregular : int
         Of the whole mesh after the round; irregular are inner nodes of other than four elements.
-    evaluations : int
-        Since the start of the run.
+    evaluations, performed : int
+        Individuals of operation GAs since the start of the run: asked for, and scored for that.
     seconds : float
         Since the start of the run.
     rates : Mapping
@@ -143,6 +160,7 @@ class RoundReport:
     trias: int
     irregular: int
     evaluations: int
+    performed: int
     seconds: float
     rates: Mapping[str, float]
 
@@ -161,8 +179,8 @@ class RunFinished:
     fitness : float
         Of the best procedure.
     seconds : float
-    evaluations : int
-        Over all islands.
+    evaluations, performed : int
+        Individuals of operation GAs over all islands: asked for, and scored for that.
     procedure : str
         The best procedure, in the form of the paper's figure 10.
     digest : str
@@ -175,11 +193,17 @@ class RunFinished:
     fitness: float
     seconds: float
     evaluations: int
+    performed: int
     procedure: str
     digest: str
 
 
-Event = RunStarted | GenerationReport | MigrationReport | RoundReport | RunFinished
+Event = RunStarted | GenerationReport | MigrationReport | FaultReport | RoundReport | RunFinished
+
+
+def known_before(report: GenerationReport | RunFinished) -> float:
+    """Share of the individuals that procedures asked for and that were known already."""
+    return 1.0 - report.performed / report.evaluations if report.evaluations else 0.0
 
 
 class Recorder(Protocol):

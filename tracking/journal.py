@@ -13,6 +13,7 @@ from typing import Any, get_type_hints
 from tracking.errors import TrackingError
 from tracking.events import (
     Event,
+    FaultReport,
     GenerationReport,
     MeshSummary,
     MigrationReport,
@@ -30,7 +31,14 @@ MIGRATIONS = "migrations.parquet"
 # and gives floats back bit for bit. Typed columns are what the Parquet files are for.
 _KINDS: dict[str, type[Event]] = {
     kind.__name__: kind
-    for kind in (RunStarted, GenerationReport, MigrationReport, RoundReport, RunFinished)
+    for kind in (
+        RunStarted,
+        GenerationReport,
+        MigrationReport,
+        FaultReport,
+        RoundReport,
+        RunFinished,
+    )
 }
 
 

@@ -12,6 +12,7 @@ from tracking.events import (
     RoundReport,
     RunFinished,
     RunStarted,
+    known_before,
 )
 from tracking.overview import ALL_ISLANDS, Overview
 
@@ -82,6 +83,7 @@ def _report_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
         "mesh/failed": report.failed,
         "mesh/compound_qi": report.compound_qi,
         "cost/evaluations": report.evaluations,
+        "cost/known_before": known_before(report),
         "cost/seconds": report.seconds,
     }
     return _points(report.island, figures, timestamp, report.generation)

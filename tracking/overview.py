@@ -57,6 +57,7 @@ class Overview:
                 mean=sum(report.mean for report in reports) / len(reports),
                 worst=min(report.worst for report in reports),
                 evaluations=sum(report.evaluations for report in latest),
+                performed=sum(report.performed for report in latest),
                 seconds=max(report.seconds for report in latest),
             )
         ]

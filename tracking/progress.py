@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from tracking.events import (
     Event,
+    FaultReport,
     GenerationReport,
     MeshSummary,
     Recorder,
@@ -51,6 +52,8 @@ class ProgressLines:
             print(f"{_title(event)}  {_before(event.before)}", file=self._stream, flush=True)
         elif isinstance(event, GenerationReport):
             print(_line(event), file=self._stream, flush=True)
+        elif isinstance(event, FaultReport):
+            print(_fault(event), file=self._stream, flush=True)
         elif isinstance(event, RoundReport):
             print(_round(event), file=self._stream, flush=True)
         elif isinstance(event, RunFinished):
@@ -82,6 +85,8 @@ class ProgressDisplay:
         elif isinstance(event, GenerationReport):
             # A new dict: the thread that draws may be reading the old one.
             self._reports = dict(sorted({**self._reports, event.island: event}.items()))
+        elif isinstance(event, FaultReport) and self._live is not None:
+            self._live.console.print(_fault(event), highlight=False)
         elif isinstance(event, RunFinished):
             self._finished = event
 
@@ -153,6 +158,10 @@ def _line(report: GenerationReport) -> str:
         f"fitness {report.best_so_far:.3f}  failed {report.failed}  trias {report.trias}  "
         f"Q.I. {report.compound_qi:.2f}  evaluations {report.evaluations}  {report.seconds:.1f} s"
     )
+
+
+def _fault(fault: FaultReport) -> str:
+    return f"generation {fault.generation}  island {fault.island}  not scored: {fault.reason}"
 
 
 def _round(report: RoundReport) -> str:

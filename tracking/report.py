@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tracking.events import RunFinished, RunStarted
+from tracking.events import RunFinished, RunStarted, known_before
 
 NOTE_LENGTH = 5000
 """Characters: what every MLflow server takes as the value of a tag."""
@@ -32,7 +32,8 @@ def markdown_report(started: RunStarted, finished: RunFinished | None = None) ->
     if finished:
         parts.append(
             f"{finished.status.capitalize()} after {finished.seconds:.1f} s and "
-            f"{finished.evaluations} evaluations: {finished.reason}. "
+            f"{finished.evaluations} evaluations, {known_before(finished):.0%} of them known "
+            f"before: {finished.reason}. "
             f"Fitness {finished.fitness:.6g}."
         )
     text = "\n\n".join(parts)

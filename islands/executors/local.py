@@ -6,21 +6,21 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from islands.archipelago import TimeUpError
+from islands.archipelago import Archipelago, Milestone, TimeUpError, evolve_in_turn
 from islands.executors.pool import PoolRunner
+from islands.executors.watchdog import ending_process_after
 from islands.integration_ga import (
-    REMEMBERED_BYTES,
     Evaluator,
     Handle,
     Outcome,
     Problem,
+    Runner,
     Task,
     Work,
     Workbench,
     run_task,
 )
-from islands.island import IslandPlan, IslandState, step
-from islands.migration import Migrants
+from islands.island import step
 
 
 def _never() -> None:
@@ -40,68 +40,52 @@ class LocalRunner:
         Raises KeyboardInterrupt where the user wants to end.
     bench : Workbench
         Other runners may share it.
+    limit : float
+        Seconds that an operation GA may take before it ends this process.
     """
 
     problem: Problem
     deadline: float
     heed: Callable[[], None] = _never
     bench: Workbench = field(default_factory=Workbench)
+    limit: float = float("inf")
 
-    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
         """Run one after the other; TimeUpError where the deadline has passed."""
         results = []
         for task, mesh in jobs:
             self.heed()
             if time.monotonic() >= self.deadline:
                 raise TimeUpError
-            results.append(run_task(self.problem, task, mesh, self.bench))
+            with ending_process_after(self.limit):
+                results.append((*run_task(self.problem, task, mesh, self.bench), True))
         return results
 
 
 class LocalExecutor:
-    """All islands in this process.
+    """All islands in this process, one archipelago after the other.
 
-    With more than one worker the operation GAs of a mesh that is one place run in processes of
-    their own; those of many small places take milliseconds and stay here.
+    With more than one worker the operation GAs of a whole mesh run in processes of their own; those
+    of many small places take milliseconds and stay here.
     """
 
     def __init__(
         self,
-        plans: Sequence[IslandPlan],
         *,
         workers: int = 1,
         deadline: float = float("inf"),
         heed: Callable[[], None] = _never,
     ) -> None:
-        self._plans = plans
         self._workers = workers
         self._pool: PoolRunner | None = None
         self._deadline = deadline
         self._heed = heed
-        self._evaluators: list[Evaluator] = []
 
-    def open(self, works: Sequence[Work]) -> None:
-        """Forget what earlier works have taught."""
-        self.close()
-        if self._workers > 1 and len(works) == 1:
-            work = works[0]
-            self._pool = PoolRunner(work.problem, self._workers, self._deadline, self._heed)
-            self._evaluators = [
-                Evaluator(work.problem, self._pool, work.root, work.mesh, is_enough=work.is_solved)
-            ]
-            return
+    def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
+        """Evolve them in turn."""
         bench = Workbench()
-        self._evaluators = [
-            evaluator(work, self._deadline, len(works), bench, self._heed) for work in works
-        ]
-
-    def advance(
-        self, steps: Sequence[tuple[IslandState, Migrants | None]]
-    ) -> Iterator[IslandState]:
-        """Step the islands in turn."""
-        for state, immigrants in steps:
-            scorer = self._evaluators[state.work]
-            yield step(state, immigrants, scorer, self._plans[state.island])
+        for archipelago in archipelagos:
+            yield from evolve_here(archipelago, self._runner(archipelago.work, bench))
 
     def close(self) -> None:
         """End the worker processes, if any."""
@@ -109,20 +93,24 @@ class LocalExecutor:
             self._pool.close()
             self._pool = None
 
+    def _runner(self, work: Work, bench: Workbench) -> Runner:
+        if self._workers == 1 or not work.is_whole:
+            return LocalRunner(work.problem, self._deadline, self._heed, bench)
+        self.close()
+        self._pool = PoolRunner(work.problem, self._workers, self._deadline, self._heed)
+        return self._pool
 
-def evaluator(
-    work: Work,
-    deadline: float,
-    sharers: int,
-    bench: Workbench,
-    heed: Callable[[], None] = _never,
-) -> Evaluator:
-    """Make an evaluator that works in this process; `sharers` share its memory, and the bench."""
-    return Evaluator(
-        work.problem,
-        LocalRunner(work.problem, deadline, heed, bench),
-        work.root,
-        work.mesh,
-        is_enough=work.is_solved,
-        remembered_bytes=REMEMBERED_BYTES / sharers,
+
+def evolve_here(
+    archipelago: Archipelago, runner: Runner, handle: Handle | None = None
+) -> Iterator[Milestone]:
+    """Evolve an archipelago in this process: its islands share what they learn.
+
+    `handle` is the mesh for the runner, where it is not the mesh itself.
+    """
+    work, plans = archipelago.work, archipelago.schedule.plans
+    handle = work.mesh if handle is None else handle
+    scorer = Evaluator(work.problem, runner, work.root, handle, is_enough=work.is_solved)
+    return evolve_in_turn(
+        archipelago, lambda state, migrants: step(state, migrants, scorer, plans[state.island])
     )

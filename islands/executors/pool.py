@@ -37,7 +37,7 @@ class PoolRunner:
         # forked processes would inherit the threads of others, as those of MLflow, in any state
         self._pool = ProcessPoolExecutor(workers, get_context("spawn"), _leave_signals)
 
-    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
         """Run all; TimeUpError where the deadline has passed."""
         results = [self._pool.submit(run_task, self._problem, task, mesh) for task, mesh in jobs]
         waiting = set(results)
@@ -47,7 +47,7 @@ class PoolRunner:
             if seconds <= 0.0:
                 raise TimeUpError
             waiting = wait(waiting, min(seconds, _LISTEN_SECONDS), FIRST_EXCEPTION).not_done
-        return [result.result() for result in results]
+        return [(*result.result(), True) for result in results]
 
     def close(self) -> None:
         """Let the processes end when what they are at is done."""

@@ -1,9 +1,8 @@
-"""Islands as Ray actors, their operation GAs as Ray tasks: the only file that imports ray.
+"""Islands as Ray actors, their operation GAs as Ray tasks.
 
 What is promised: the same answer as in one process, because a generation is a pure function of its
-island's state and an operation GA one of its task. An actor keeps nothing but what it has learned,
-so one that dies is started anew and asked again. What is not promised: how many operation GAs run,
-since actors learn apart from each other.
+island's state and an operation GA one of its task. What is not promised: how many operation GAs
+run, since actors learn apart from each other and those that die are asked again.
 """
 
 from __future__ import annotations
@@ -11,8 +10,9 @@ from __future__ import annotations
 import os
 import socket
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
@@ -20,170 +20,211 @@ os.environ.setdefault("RAY_AUTH_MODE", "disabled")
 os.environ.setdefault("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
 
 import ray
-from ray.exceptions import RayError, RayTaskError
 
-from islands.archipelago import TimeUpError
-from islands.executors.local import evaluator
-from islands.integration_ga import Evaluator, Handle, Outcome, Task, Work, Workbench, run_task
-from islands.island import IslandPlan, IslandState, step
-from islands.migration import Migrants
+from islands.archipelago import Archipelago, Asked, Milestone, TimeUpError
+from islands.executors.crew import Answer, Crew, Job
+from islands.executors.ledger import LedgerRunner, Parcel, start_ledger
+from islands.executors.local import LocalRunner, evolve_here
+from islands.integration_ga import Evaluator, Runner, Work, Workbench
+from islands.island import IslandPlan, step
 from meshops.errors import InputError
-
-TRIES = 3
-"""Times that a generation is asked for before a fault of the cluster ends the run."""
 
 _KNOCK_SECONDS = 5.0
 
-_LISTEN_SECONDS = 0.5
 
+class _Host:
+    """An actor that hosts islands.
 
-_run_remotely = ray.remote(num_returns=2, max_retries=TRIES)(run_task)
+    The operation GAs of a whole mesh are tasks. Those of many small places take milliseconds, and
+    run here, unless they have ended this process before.
 
-
-@dataclass(frozen=True, eq=False)
-class RayRunner:
-    """Runs operation GAs as tasks; meshes stay in the object store, handles are references."""
-
-    problem: Any
-
-    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle]]:
-        """Run all at the same time."""
-        results = [_run_remotely.remote(self.problem, task, mesh) for task, mesh in jobs]
-        outcomes = ray.get([outcome for outcome, _ in results])
-        return list(zip(outcomes, [mesh for _, mesh in results], strict=True))
-
-
-class _Islands:
-    """An actor that hosts islands. References arrive in lists, which keeps Ray from fetching them.
-
-    An island that has the mesh for itself runs its operation GAs as tasks. Where there are many
-    works each is small, its operation GAs take milliseconds, and they run here.
+    Parameters
+    ----------
+    ledger : actor
+    deadline : float
+        A time of time.time(): another machine may have another monotonic clock.
+    limit : float
+        Seconds of an operation GA.
     """
 
-    def __init__(self, works: list[Any], plans: Sequence[IslandPlan]) -> None:
-        self._works = works
-        self._plans = plans
+    def __init__(self, ledger: Any, deadline: float, limit: float) -> None:
+        self._ledger = ledger
+        self._deadline = time.monotonic() + deadline - time.time()
+        self._limit = limit
         self._bench = Workbench()
-        self._evaluators: dict[int, Evaluator] = {}
+        self._scorers: dict[tuple[int, str, bool], Evaluator] = {}
 
-    def step(
-        self, steps: list[tuple[IslandState, Migrants | None]], deadline: float
-    ) -> list[IslandState]:
-        """Step islands by one generation each; less of them where time is up."""
-        seconds = time.monotonic() + deadline - time.time()
-        states = []
+    def evolve(
+        self, archipelago: Archipelago, parcel: Parcel | None, *, is_careful: bool
+    ) -> Answer:
+        """Evolve an archipelago; its milestones until time is up."""
+        work, milestones = archipelago.work, list[Milestone]()
+        if is_careful and parcel is not None:
+            going = evolve_here(archipelago, self._asking(work, parcel), parcel.mesh)
+        else:
+            going = evolve_here(archipelago, self._running(work))
+        is_late = False
         try:
-            for state, immigrants in steps:
-                scorer = self._evaluator(state.work, seconds)
-                states.append(step(state, immigrants, scorer, self._plans[state.island]))
+            milestones.extend(going)
         except TimeUpError:
-            pass
-        return states
+            is_late = True
+        return Answer(milestones, is_late, _memory())
 
-    def _evaluator(self, work: int, deadline: float) -> Evaluator:
-        if work not in self._evaluators:
-            got = ray.get(self._works[work])
-            if len(self._works) == 1:
-                runner = RayRunner(ray.put(got.problem))
-                self._evaluators[work] = Evaluator(
-                    got.problem, runner, got.root, ray.put(got.mesh), is_enough=got.is_solved
-                )
-            else:
-                self._evaluators[work] = evaluator(got, deadline, len(self._works), self._bench)
-        return self._evaluators[work]
+    def step(self, asked: Asked, plan: IslandPlan, parcel: Parcel, *, is_careful: bool) -> Answer:
+        """Step an island; without a value where time is up."""
+        try:
+            state = step(*asked, self._scorer(parcel, is_careful=is_careful), plan)
+        except TimeUpError:
+            return Answer(None, is_late=True, memory=_memory())
+        return Answer(state, is_late=False, memory=_memory())
+
+    def _scorer(self, parcel: Parcel, *, is_careful: bool) -> Evaluator:
+        """Return the evaluator of a work; those of batches before it are forgotten."""
+        key = parcel.batch, parcel.work.hex(), is_careful
+        if key not in self._scorers:
+            work: Work = ray.get(parcel.work)
+            asks = is_careful or work.is_whole
+            runner = self._asking(work, parcel) if asks else self._running(work)
+            handle = parcel.mesh if asks else work.mesh
+            self._scorers = {k: v for k, v in self._scorers.items() if k[0] == parcel.batch}
+            self._scorers[key] = Evaluator(
+                work.problem, runner, work.root, handle, is_enough=work.is_solved
+            )
+        return self._scorers[key]
+
+    def _running(self, work: Work) -> Runner:
+        return LocalRunner(work.problem, self._deadline, bench=self._bench, limit=self._limit)
+
+    def _asking(self, work: Work, parcel: Parcel) -> Runner:
+        return LedgerRunner(self._ledger, parcel, len(work.mesh.elements))
 
 
-# Actors wait while their tasks work: a whole CPU each would leave none for the tasks.
-_Actor = ray.remote(num_cpus=0.01, scheduling_strategy="SPREAD")(_Islands)
+_HostActor = ray.remote(num_cpus=0.01, scheduling_strategy="SPREAD")(_Host)
+"""Hosts wait while tasks work: a whole CPU each would leave none for the tasks."""
 
 
 class RayExecutor:
     """Islands in actors, on a cluster or, without an address, on this machine.
 
-    The islands of a work share an actor, and with it what they learn, where there are at least as
-    many works as CPUs; otherwise each island has one of its own.
+    There are no more actors than CPUs. Where there are at least as many archipelagos, each actor
+    evolves one whole archipelago after the other; otherwise their islands are shared out.
+
+    Parameters
+    ----------
+    address : str or None
+        Of a cluster.
+    workers : int or None
+        CPUs that are used at the most; None: all.
+    deadline : float
+        A time of time.monotonic().
+    limit : float
+        Seconds of an operation GA, after which its process is ended.
+    heed : callable
+        Raises KeyboardInterrupt where the user wants to end.
     """
 
     def __init__(
         self,
-        plans: Sequence[IslandPlan],
         *,
         address: str | None = None,
+        workers: int | None = None,
         deadline: float = float("inf"),
+        limit: float = float("inf"),
         heed: Callable[[], None] = lambda: None,
     ) -> None:
-        self._heed = heed
-        self._started_ray = connect(address)
-        self._plans = plans
-        # actors may be on machines with another monotonic clock
-        self._deadline = time.time() + deadline - time.monotonic()
-        self._cpus = max(1, int(ray.cluster_resources().get("CPU", 1)))
-        self._works: list[Any] = []
-        self._actors: dict[int, Any] = {}
+        self._started_ray = connect(address, workers)
+        self._workers = workers
+        deadline = time.time() + deadline - time.monotonic()
+        self._ledger = start_ledger(limit)
+        self._crew = Crew(lambda: _HostActor.remote(self._ledger, deadline, limit), heed, deadline)
+        self._batch = 0
 
-    def open(self, works: Sequence[Work]) -> None:
-        """Put the works into the object store, each once."""
-        for actor in list(self._actors):
-            self._forget(actor)
-        self._works = [ray.put(work) for work in works]
-
-    def advance(
-        self, steps: Sequence[tuple[IslandState, Migrants | None]]
-    ) -> Iterator[IslandState]:
-        """Step all islands, those of one actor in turn and the actors at the same time."""
-        shares: dict[int, list[tuple[IslandState, Migrants | None]]] = {}
-        for asked in steps:
-            shares.setdefault(self._actor_of(asked[0]), []).append(asked)
-        tries = dict.fromkeys(shares, 1)
-        running = {self._ask(actor, share): actor for actor, share in shares.items()}
-        while running:
-            self._heed()
-            ready, _ = ray.wait(list(running), timeout=min(_LISTEN_SECONDS, self._seconds_left()))
-            if not ready and not self._seconds_left():
-                raise TimeUpError
-            if not ready:
-                continue
-            actor = running.pop(ready[0])
-            try:
-                states = ray.get(ready[0])
-            except RayTaskError:
-                raise  # our own code failed, and would again
-            except RayError:
-                if tries[actor] == TRIES:
-                    raise
-                tries[actor] += 1
-                self._forget(actor)
-                running[self._ask(actor, shares[actor])] = actor
-                continue
-            yield from states
-            if len(states) < len(shares[actor]):
-                raise TimeUpError
+    def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
+        """Evolve all of them at the same time."""
+        cpus = self._cpus()
+        islands = sum(archipelago.schedule.islands for archipelago in archipelagos)
+        try:
+            if len(archipelagos) >= cpus and not any(a.work.is_whole for a in archipelagos):
+                yield from self._evolve_whole(archipelagos, cpus)
+            else:
+                yield from self._evolve_by_islands(archipelagos, min(cpus, islands))
+        finally:
+            if self._crew.is_busy:
+                self._crew.dismiss_all()
 
     def close(self) -> None:
         """End the actors, and Ray where this executor started it."""
-        for actor in list(self._actors):
-            self._forget(actor)
+        self._crew.dismiss_all()
+        ray.kill(self._ledger)
         if self._started_ray:
             ray.shutdown()
 
-    def _actor_of(self, state: IslandState) -> int:
-        works = len(self._works)
-        return state.work % self._cpus if works >= self._cpus else state.island * works + state.work
+    def _cpus(self) -> int:
+        """How many there are now: nodes may join and leave."""
+        cpus = max(1, int(ray.cluster_resources().get("CPU", 1)))
+        return cpus if self._workers is None else min(cpus, self._workers)
 
-    def _ask(self, actor: int, share: list[tuple[IslandState, Migrants | None]]) -> Any:
-        if actor not in self._actors:
-            self._actors[actor] = _Actor.remote(self._works, self._plans)
-        return self._actors[actor].step.remote(share, self._deadline)
+    def _evolve_whole(self, archipelagos: Sequence[Archipelago], hosts: int) -> Iterator[Milestone]:
+        """Give each host one archipelago after the other, the largest first."""
+        by_size = sorted(archipelagos, key=lambda a: -len(a.work.mesh.elements))
+        waiting = deque(self._whole(archipelago) for archipelago in by_size)
+        for host in range(min(hosts, len(waiting))):
+            self._crew.give(host, waiting.popleft())
+        while self._crew.is_busy:
+            host, answer = self._crew.next()
+            if waiting:
+                self._crew.give(host, waiting.popleft())
+            yield from answer.value
+            if answer.is_late:
+                raise TimeUpError
 
-    def _forget(self, actor: int) -> None:
-        ray.kill(self._actors.pop(actor))
+    def _whole(self, archipelago: Archipelago) -> Job:
+        """Make evolving an archipelago a job; what it asks the ledger for outlives its host."""
+        reference = ray.put(archipelago)
+        parcels: list[Parcel] = []
 
-    def _seconds_left(self) -> float:
-        return max(0.0, self._deadline - time.time())
+        def arguments(is_careful: bool) -> tuple[Any, ...]:  # noqa: FBT001
+            if is_careful and not parcels:
+                parcels.append(Parcel.of(archipelago.work, self._batch))
+            return reference, parcels[0] if is_careful else None
+
+        return Job("evolve", arguments)
+
+    def _evolve_by_islands(
+        self, archipelagos: Sequence[Archipelago], hosts: int
+    ) -> Iterator[Milestone]:
+        """Share islands out to hosts; each steps as soon as it may and its host is free."""
+        self._batch += 1
+        parcels = [Parcel.of(archipelago.work, self._batch) for archipelago in archipelagos]
+        waiting: list[deque[Job]] = [deque() for _ in range(hosts)]
+        idle = set(range(hosts))
+
+        def share_out(archipelago: Archipelago) -> None:
+            number, schedule = archipelago.number, archipelago.schedule
+            for asked in archipelago.ready():
+                island = asked[0].island
+                job = Job("step", _always(asked, schedule.plans[island], parcels[number]))
+                waiting[(number * schedule.islands + island) % hosts].append(job)
+            for host in [host for host in idle if waiting[host]]:
+                idle.remove(host)
+                self._crew.give(host, waiting[host].popleft())
+
+        for archipelago in archipelagos:
+            share_out(archipelago)
+        while self._crew.is_busy:
+            host, answer = self._crew.next()
+            if answer.is_late:
+                raise TimeUpError
+            idle.add(host)
+            archipelago = archipelagos[answer.value.work]
+            yield from archipelago.take(answer.value)
+            share_out(archipelago)
 
 
-def connect(address: str | None) -> bool:
+def connect(address: str | None, cpus: int | None = None) -> bool:
     """Connect to Ray unless that has been done; whether it was done here.
+
+    Without an address, and not within a Ray job, it is started here, with so many CPUs.
 
     Raises InputError where no cluster answers at the address.
     """
@@ -193,7 +234,7 @@ def connect(address: str | None) -> bool:
     options: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
     try:
         if wanted is None:
-            ray.init(include_dashboard=False, **options)
+            ray.init(include_dashboard=False, num_cpus=cpus, **options)
         else:
             _knock(wanted)
             ray.init(address=wanted, **options)
@@ -214,3 +255,13 @@ def _knock(address: str) -> None:
     host, _, port = address.rpartition("://")[2].rpartition(":")
     if host and port.isdecimal():
         socket.create_connection((host.strip("[]"), int(port)), _KNOCK_SECONDS).close()
+
+
+def _always(*arguments: Any) -> Callable[[bool], tuple[Any, ...]]:
+    return lambda _: arguments
+
+
+def _memory() -> int:
+    """Bytes that this process has in memory."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

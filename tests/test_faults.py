@@ -1,0 +1,193 @@
+"""What is guaranteed where workers crash, hang, run out of memory or are killed, on Ray.
+
+The answer is that of the run that nothing has disturbed; an individual that ends its process each
+time has the worst fitness, everywhere the same.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from islands.run import Finished, Job
+from meshops.mesh import ShellMesh
+from tests.decks import bad_plate
+from tests.faulty import Faulty, Harm
+from tests.jobs import finish, job, whole_job
+from tracking.events import Event, FaultReport
+
+ray = pytest.importorskip("ray")
+
+ALWAYS = 10**6
+
+SHARE = 10
+
+Make = Callable[..., Job]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _ray_here() -> Iterator[None]:
+    from islands.executors.ray import connect
+
+    connect(None, 2)
+    yield
+    ray.shutdown()
+
+
+@pytest.fixture(scope="module")
+def mesh() -> ShellMesh:
+    return bad_plate()
+
+
+def with_faults(of: Job, harm: Harm, times: int, folder: Path) -> Job:
+    """Every operation of a job does harm on one mesh of ten, so many times."""
+    folder.mkdir(exist_ok=True)
+    operations = tuple(
+        Faulty(o, harm, SHARE, times, str(folder), os.getpid()) for o in of.problem.operations
+    )  # fmt: skip
+    return replace(of, problem=replace(of.problem, operations=operations))
+
+
+def faults_of(events: list[Event]) -> list[tuple[int, int, str]]:
+    return [(e.generation, e.island, e.reason) for e in events if isinstance(e, FaultReport)]
+
+
+@pytest.fixture(scope="module")
+def sound(mesh: ShellMesh, tmp_path_factory: pytest.TempPathFactory) -> dict[Make, Finished]:
+    """What the same operations lead to in one process, without any harm."""
+    folder = tmp_path_factory.mktemp("none")
+    return {
+        make: finish(with_faults(make(mesh, islands=2), "none", 0, folder))
+        for make in (job, whole_job)
+    }
+
+
+SLOW_JOB = pytest.param(job, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(
+    ("make", "harm"),
+    [
+        (job, "crash"),
+        (whole_job, "crash"),
+        pytest.param(job, "hang", marks=pytest.mark.slow),
+        (whole_job, "hang"),
+        pytest.param(job, "memory", marks=pytest.mark.slow),
+        (whole_job, "memory"),
+    ],
+)
+def test_what_a_second_try_mends_leaves_no_trace(
+    mesh: ShellMesh, sound: dict[Make, Finished], tmp_path: Path, make: Make, harm: Harm
+) -> None:
+    """Some processes die, and the answer is the same."""
+    of = make(mesh, islands=2, backend="ray", evaluation_limit=5.0)
+    faulty = with_faults(of, harm, 1, tmp_path / "harm")
+    events: list[Event] = []
+    done = finish(faulty, events)
+    assert list((tmp_path / "harm").iterdir())
+    assert done.mesh.digest == sound[make].mesh.digest
+    assert done.text == sound[make].text
+    assert done.evaluations == sound[make].evaluations
+    assert faults_of(events) == []
+
+
+@pytest.mark.parametrize("make", [SLOW_JOB, whole_job])
+def test_an_individual_that_always_crashes_has_the_worst_fitness_and_the_run_goes_on(
+    mesh: ShellMesh, sound: dict[Make, Finished], tmp_path: Path, make: Make
+) -> None:
+    runs = []
+    for workers in (1, 2):
+        of = make(mesh, islands=2, backend="ray", workers=workers)
+        faulty = with_faults(of, "crash", ALWAYS, tmp_path / str(workers))
+        events: list[Event] = []
+        runs.append((finish(faulty, events), faults_of(events)))
+    (one, faults), (other, other_faults) = runs
+    assert one.status == "finished"
+    assert one.mesh.digest == other.mesh.digest
+    assert one.text == other.text
+    assert faults == other_faults != []
+    assert all("has ended its process 4 times" in reason for _, _, reason in faults)
+
+
+class Killer(threading.Thread):
+    """Kills a worker process of our Ray as soon as there is one, and then every so often."""
+
+    def __init__(self, seconds: float, names: tuple[str, ...]) -> None:
+        super().__init__(daemon=True)
+        self.seconds = seconds
+        self.names = names
+        self.killed = 0
+        self.is_over = threading.Event()
+
+    def run(self) -> None:
+        pause = 0.0
+        while not self.is_over.wait(pause):
+            found = [pid for pid, name in workers() if name.startswith(self.names)]
+            pause = 0.1
+            if found:
+                os.kill(found[self.killed % len(found)], signal.SIGKILL)
+                self.killed += 1
+                pause = self.seconds
+
+    def __enter__(self) -> Killer:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.is_over.set()
+        self.join()
+
+
+def workers() -> list[tuple[int, str]]:
+    """Processes of our Ray by their names: actors and tasks as they are at work."""
+    session = ray._private.worker._global_node.get_session_dir_path()
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            name = (path / "cmdline").read_bytes().split(b"\0")[0].decode()
+            is_ours = session in (path / "environ").read_bytes().decode(errors="replace") or (
+                int((path / "stat").read_text().rpartition(")")[2].split()[1]) == raylet()
+            )
+        except OSError:
+            continue
+        if name.startswith("ray::") and is_ours:
+            found.append((int(path.name), name))
+    return sorted(found)
+
+
+def raylet() -> int:
+    processes = ray._private.worker._global_node.all_processes["raylet"]
+    return int(processes[0].process.pid)
+
+
+@pytest.mark.parametrize(
+    ("make", "names", "seconds"),
+    [
+        (job, ("ray::_Host", "ray::_run"), 3.0),
+        (whole_job, ("ray::_Host",), 3.0),
+        (whole_job, ("ray::_run",), 2.0),
+        (whole_job, ("ray::_Ledger",), 5.0),
+    ],
+)
+def test_processes_that_are_killed_at_any_moment_leave_no_trace(
+    mesh: ShellMesh,
+    sound: dict[Make, Finished],
+    tmp_path: Path,
+    make: Make,
+    names: tuple[str, ...],
+    seconds: float,
+) -> None:
+    of = with_faults(make(mesh, islands=2, backend="ray"), "none", 0, tmp_path)
+    events: list[Event] = []
+    with Killer(seconds, names) as killer:
+        done = finish(of, events)
+    assert killer.killed
+    assert done.mesh.digest == sound[make].mesh.digest
+    assert done.text == sound[make].text
+    assert faults_of(events) == []
