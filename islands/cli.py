@@ -131,6 +131,7 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 @click.option("--time-limit", type=float, metavar="SECONDS")
 @click.option("--backend", type=click.Choice(["local", "ray"]))
 @click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
+@click.option("--workers", type=int, metavar="N", help="Processes at the most.")
 @click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
 @click.option(
     "--warm-start",
@@ -164,7 +165,7 @@ def optimize(
 @click.argument("folder", type=_PATH)
 @click.option("--backend", type=click.Choice(["local", "ray"]))
 @click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
-@click.option("--workers", type=int, metavar="N", help="Processes of this machine.")
+@click.option("--workers", type=int, metavar="N", help="Processes at the most.")
 @click.option("--time-limit", type=float, metavar="SECONDS")
 @click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -86,8 +86,7 @@ class Problem:
         return self.setting.fitness
 
 
-@dataclass(frozen=True)
-class Task:
+class Task(NamedTuple):
     """An operation GA to run: what it does follows from the run's seed and these three alone.
 
     Attributes
@@ -237,6 +236,9 @@ def run_task(
     return Outcome(after.digest, tally, found.parameters, found.evaluations), after
 
 
+_DOING_NOTHING = Step(NOTHING, np.zeros((0, 2), np.int32))
+
+
 @dataclass(eq=False)
 class _Trail:
     """An individual on its way through its genes."""
@@ -287,7 +289,8 @@ class Evaluator:
     def evaluate(self, genomes: Ids, fitness: Fitness | None = None) -> Scored:
         """Score genomes (P, G), by another fitness than the run's where one is given."""
         judge = fitness or self.problem.fitness
-        root, at_first = self.root, self._score(judge, self.root.tally, 0)
+        root = self.root
+        at_first = float(self._scores(judge, root.tally[None], np.zeros(1, np.int64))[0])
         trails = [
             _Trail(root.mesh, self.root_handle, root.tally, {}, [], 0, at_first, root.tally, 0)
             for _ in genomes
@@ -297,9 +300,7 @@ class Evaluator:
             if any(self._is_enough(trail.tally) for trail in trails):
                 break
         if not self.problem.improving:
-            for trail in (trail for trail in trails if not trail.fault):
-                trail.best_fitness = self._score(judge, trail.tally, trail.used)
-                trail.best_tally, trail.best_steps = trail.tally, len(trail.steps)
+            self._compare([trail for trail in trails if not trail.fault], judge, is_last=True)
         return Scored(
             np.array([trail.best_fitness for trail in trails]),
             np.stack([trail.best_tally for trail in trails]),
@@ -307,12 +308,25 @@ class Evaluator:
             tuple(trail.fault for trail in trails if trail.fault),
         )
 
-    def _score(self, fitness: Fitness, tally: Floats, used: int) -> float:
-        scoring = self.problem.setting.scoring
+    def _scores(self, fitness: Fitness, tallies: Floats, used: Ids) -> Floats:
+        """(K,) fitness of (K, TALLY_SIZE) tallies after so many operations (K,)."""
         if not self.problem.drifts:
-            return float(fitness.of(tally[None], scoring, used)[0])
-        faults = float(fitness.of_faults(tally))
-        return faults if used else faults - STANDING_STILL / (fitness.elements + 1)
+            return fitness.of(tallies, self.problem.setting.scoring, used)
+        faults = np.array([fitness.of_faults(tally) for tally in tallies])
+        return np.where(used, faults, faults - STANDING_STILL / (fitness.elements + 1))
+
+    def _compare(self, trails: list[_Trail], judge: Fitness, *, is_last: bool) -> None:
+        """Let each remember where it is now if it is fitter by that, or in any case at the last."""
+        if not trails:
+            return
+        tallies = np.stack([trail.tally for trail in trails])
+        used = np.array([trail.used for trail in trails])
+        scores = self._scores(judge, tallies, used).tolist()
+        for trail, fitness in zip(trails, scores, strict=True):
+            is_equal = fitness == trail.best_fitness
+            if is_last or fitness > trail.best_fitness or (self.problem.drifts and is_equal):
+                trail.best_fitness, trail.best_tally = fitness, trail.tally
+                trail.best_steps = len(trail.steps)
 
     def _advance(self, trails: list[_Trail], genes: Ids, judge: Fitness) -> None:
         codes = [self.problem.codes[gene] for gene in genes]
@@ -323,9 +337,10 @@ class Evaluator:
             for trail, code in zip(trails, codes, strict=True)
         ]
         self._learn({t: x.handle for t, x in zip(tasks, trails, strict=True) if t is not None})
+        moved = []
         for trail, task in zip(trails, tasks, strict=True):
             if task is None:
-                trail.steps.append(Step(NOTHING, np.zeros((0, 2), np.int32)))
+                trail.steps.append(_DOING_NOTHING)
                 continue
             outcome, handle = self._known[task]
             self.evaluations += outcome.evaluations
@@ -339,12 +354,8 @@ class Evaluator:
             trail.mesh, trail.handle, trail.tally = outcome.mesh, handle, outcome.tally
             trail.attempts = {}
             trail.used += 1
-            fitness = self._score(judge, trail.tally, trail.used)
-            if fitness > trail.best_fitness or (
-                self.problem.drifts and fitness == trail.best_fitness
-            ):
-                trail.best_fitness, trail.best_tally = fitness, trail.tally
-                trail.best_steps = len(trail.steps)
+            moved.append(trail)
+        self._compare(moved, judge, is_last=False)
 
     def _learn(self, wanted: dict[Task, Handle]) -> None:
         missing = [(task, handle) for task, handle in wanted.items() if task not in self._known]

@@ -9,7 +9,7 @@ import numpy as np
 
 from meshops.criteria import Scoring
 from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS, order_meshes
-from meshops.mesh import Floats
+from meshops.mesh import Floats, Ids
 
 FitnessKind = Literal["trias", "quads", "quality"]
 
@@ -58,20 +58,23 @@ class Fitness:
     irregularity: float = IRREGULARITY
     price: float = PRICE
 
-    def of(self, tallies: Floats, scoring: Scoring, operations: int = 0) -> Floats:
-        """(P,) fitness of (P, TALLY_SIZE) tallies; NaN tallies (no valid mesh) have INVALID."""
+    def of(self, tallies: Floats, scoring: Scoring, operations: Ids | int = 0) -> Floats:
+        """(P,) fitness of (P, TALLY_SIZE) tallies; NaN tallies (no valid mesh) have INVALID.
+
+        `operations` is how many each has used, (P,) or the same for all.
+        """
         if self.kind == "trias":
             valid = np.isfinite(tallies[:, ELEMENTS])
             return np.where(valid, 100.0 - tallies[:, TRIAS], INVALID)
         first, second = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
-        price = min(self.price * operations, 1.0)
+        prices = np.zeros(len(tallies)) + np.minimum(self.price * operations, 1.0)
         fitness: Floats = order_meshes(
             tallies,
             first,
             second,
             self.elements + 1,
             self.irregularity,
-            price,
+            prices,
             INVALID,
             *scoring.arrays,
         )

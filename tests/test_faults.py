@@ -7,14 +7,13 @@ time has the worst fitness, everywhere the same.
 from __future__ import annotations
 
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from benchmarks.killing import Killer
 from islands.run import Finished, Job
 from meshops.mesh import ShellMesh
 from tests.decks import bad_plate
@@ -115,57 +114,6 @@ def test_an_individual_that_always_crashes_has_the_worst_fitness_and_the_run_goe
     assert all("has ended its process 4 times" in reason for _, _, reason in faults)
 
 
-class Killer(threading.Thread):
-    """Kills a worker process of our Ray as soon as there is one, and then every so often."""
-
-    def __init__(self, seconds: float, names: tuple[str, ...]) -> None:
-        super().__init__(daemon=True)
-        self.seconds = seconds
-        self.names = names
-        self.killed = 0
-        self.is_over = threading.Event()
-
-    def run(self) -> None:
-        pause = 0.0
-        while not self.is_over.wait(pause):
-            found = [pid for pid, name in workers() if name.startswith(self.names)]
-            pause = 0.1
-            if found:
-                os.kill(found[self.killed % len(found)], signal.SIGKILL)
-                self.killed += 1
-                pause = self.seconds
-
-    def __enter__(self) -> Killer:
-        self.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.is_over.set()
-        self.join()
-
-
-def workers() -> list[tuple[int, str]]:
-    """Processes of our Ray by their names: actors and tasks as they are at work."""
-    session = ray._private.worker._global_node.get_session_dir_path()
-    found = []
-    for path in Path("/proc").glob("[0-9]*"):
-        try:
-            name = (path / "cmdline").read_bytes().split(b"\0")[0].decode()
-            is_ours = session in (path / "environ").read_bytes().decode(errors="replace") or (
-                int((path / "stat").read_text().rpartition(")")[2].split()[1]) == raylet()
-            )
-        except OSError:
-            continue
-        if name.startswith("ray::") and is_ours:
-            found.append((int(path.name), name))
-    return sorted(found)
-
-
-def raylet() -> int:
-    processes = ray._private.worker._global_node.all_processes["raylet"]
-    return int(processes[0].process.pid)
-
-
 @pytest.mark.parametrize(
     ("make", "names", "seconds"),
     [
@@ -185,7 +133,7 @@ def test_processes_that_are_killed_at_any_moment_leave_no_trace(
 ) -> None:
     of = with_faults(make(mesh, islands=2, backend="ray"), "none", 0, tmp_path)
     events: list[Event] = []
-    with Killer(seconds, names) as killer:
+    with Killer(os.getpid(), seconds, names) as killer:
         done = finish(of, events)
     assert killer.killed
     assert done.mesh.digest == sound[make].mesh.digest

@@ -313,7 +313,7 @@ def order_meshes(
     second: int,
     share: int,
     irregularity: float,
-    price: float,
+    prices: Floats,
     invalid: float,
     levels: Floats,
     weights: Floats,
@@ -324,8 +324,8 @@ def order_meshes(
     """(P,) fitness of (P, TALLY_SIZE) tallies, as ``Fitness`` has it.
 
     `first` and `second` are the places in a tally that count first and second, `share` is what the
-    second and the irregular nodes are divided by, `irregularity` what these cost, `price` that of
-    the operations, `invalid` the fitness of a tally of NaN.
+    second and the irregular nodes are divided by, `irregularity` what these cost, `prices` (P,)
+    those of the operations, `invalid` the fitness of a tally of NaN.
     """
     out = np.empty(len(tallies))
     for i in range(len(tallies)):
@@ -335,6 +335,6 @@ def order_meshes(
             continue
         index = compound_index(tally, levels, weights, active, penalties, normalised)
         index += irregularity * tally[IRREGULAR] / share
-        finish = (index / (1.0 + index) + price) / 2.0
+        finish = (index / (1.0 + index) + prices[i]) / 2.0
         out[i] = 100.0 - tally[first] - (tally[second] + finish) / share
     return out
