@@ -140,6 +140,12 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 )
 @click.option("--config", "config_file", type=_PATH, metavar="FILE.toml")
 @click.option("--overwrite", is_flag=True, help="Write into a folder that is not empty.")
+@click.option(
+    "--resume",
+    "resuming",
+    is_flag=True,
+    help="Go on with the run in the folder, where one was begun there: for jobs that are retried.",
+)
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def optimize(
     mesh: Path,
@@ -147,14 +153,20 @@ def optimize(
     config_file: Path | None,
     *,
     overwrite: bool,
+    resuming: bool,
     quiet: bool,
     **options: Any,
 ) -> None:
     """Evolve a repair procedure for a mesh and write the better mesh."""
     from islands import session
-    from islands.config import load_config
+    from islands.config import FREE, load_config
 
+    _refuse_to_lose(out)
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    if resuming and session.has_run(out):
+        free = {key: v for key, v in given.items() if key.replace("-", "_") in FREE}
+        _go_on(out, free, quiet=quiet, source=mesh)
+        return
     if "size" in given:
         given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
@@ -171,14 +183,8 @@ def optimize(
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 def resume(folder: Path, *, quiet: bool, **options: Any) -> None:
     """Go on with a run that was interrupted; it ends with the mesh that it would have had."""
-    from islands import session
-
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
-    done = session.resume(folder, given, _listeners(quiet=quiet), _tell)
-    if done is None:
-        click.echo(f"The run in {folder} has ended already.")
-    else:
-        _end(done, folder)
+    _go_on(folder, given, quiet=quiet)
 
 
 @cli.command()
@@ -260,6 +266,29 @@ def dashboard(port: int) -> None:
     from tracking.dashboard import serve_dashboard
 
     sys.exit(serve_dashboard(port, announce=click.echo))
+
+
+def _go_on(folder: Path, given: dict[str, Any], *, quiet: bool, source: Path | None = None) -> None:
+    from islands import session
+
+    done = session.resume(folder, given, _listeners(quiet=quiet), _tell, source)
+    if done is None:
+        click.echo(f"The run in {folder} has ended already.")
+    else:
+        _end(done, folder)
+
+
+def _refuse_to_lose(out: Path) -> None:
+    """Refuse a folder that would vanish with the job: a Ray job works in a copy of its folder."""
+    import os
+
+    from meshops.errors import InputError
+
+    if "RAY_JOB_CONFIG_JSON_ENV_VAR" in os.environ and not out.is_absolute():
+        raise InputError(
+            f"--out {out} is relative, and a Ray job works in a copy of its folder that is removed "
+            "with it: name an absolute path, on a folder that you can reach."
+        )
 
 
 def _listeners(*, quiet: bool) -> Callable[[Config], Sequence[Recorder]]:

@@ -301,6 +301,11 @@ def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
     except ValidationError as error:
         raise InputError(_sentence(error, file, given)) from None
     _ = config.schedule  # whether the topology fits is told before the run
+    if config.edges and config.topology != "edges":
+        raise InputError(
+            f'"edges" are given, and the topology is "{config.topology}"; write '
+            'topology = "edges", or leave the edges out.'
+        )
     if len(config.rings) != len(config.largest):
         raise InputError(
             f'"rings" has {len(config.rings)} values and "largest" {len(config.largest)}; '

@@ -78,13 +78,23 @@ def optimize(
     return _work(this, started, begin, listeners)
 
 
+def has_run(folder: Path) -> bool:
+    """Whether a run was begun in a folder."""
+    return (folder / RUN).exists()
+
+
 def resume(
-    folder: Path, given: Mapping[str, Any], listeners: Listeners, notify: Callable[[str], None]
+    folder: Path,
+    given: Mapping[str, Any],
+    listeners: Listeners,
+    notify: Callable[[str], None],
+    source: Path | None = None,
 ) -> Finished | None:
     """Go on with a run from its checkpoint; None where it has ended already.
 
     `given` are settings that may be others than before, `Config.FREE`. The mesh at the end is that
-    of the run without the interruption. `notify` is told of what was damaged.
+    of the run without the interruption. `notify` is told of what was damaged. `source` is where the
+    deck is now; None: where it was.
 
     Raises InputError where the folder has no run that can go on.
     """
@@ -94,7 +104,7 @@ def resume(
         return None
     # the time limit was that of the session before
     config = load_config(folder / CONFIG, {"time-limit": None, **given})
-    source = Path(about["source"])
+    source = source or Path(about["source"])
     deck, job = _read(source, config)
     if job.mesh.digest != about["mesh"]:
         raise InputError(f"{source} is another mesh than that of the run in {folder}.")
