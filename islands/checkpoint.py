@@ -68,15 +68,12 @@ class Checkpoints:
     def keep(self, state: SearchState) -> None:
         """Write a state down; the last one becomes the one before it."""
         self._append(state.rounds)
-        last = self._folder / CHECKPOINT
-        if last.exists():
-            last.replace(self._folder / BEFORE)
         self._write(state)
 
     def close(self) -> None:
         """End the stream of rounds; the files stay."""
-        self._stream.close()
-        self._file.close()
+        with self._file:
+            self._stream.close()
 
     def discard(self) -> None:
         """Remove the files: the run is over."""
@@ -108,6 +105,7 @@ class Checkpoints:
         os.fsync(self._file.fileno())
 
     def _write(self, state: SearchState) -> None:
+        """Write a checkpoint whole; the one that was there becomes the one before it."""
         import pyarrow as pa
 
         figures = {name: getattr(state, name) for name in _FIGURES}
@@ -133,12 +131,17 @@ class Checkpoints:
         table = table.replace_schema_metadata({"digest": digest_of(rows)})
         path = self._folder / CHECKPOINT
         unfinished = path.with_name(f".{CHECKPOINT}.part")
-        with unfinished.open("wb") as file:
-            with pa.ipc.new_file(file, table.schema) as writer:
-                writer.write_table(table)
-            file.flush()
-            os.fsync(file.fileno())
-        unfinished.replace(path)
+        try:
+            with unfinished.open("wb") as file:
+                with pa.ipc.new_file(file, table.schema) as writer:
+                    writer.write_table(table)
+                file.flush()
+                os.fsync(file.fileno())
+            if path.exists():
+                path.replace(self._folder / BEFORE)
+            unfinished.replace(path)
+        finally:
+            unfinished.unlink(missing_ok=True)
 
 
 def latest_state(folder: Path, run: str) -> tuple[SearchState | None, str]:

@@ -6,6 +6,7 @@ what it has seen (the journal).
 
 from __future__ import annotations
 
+import errno
 import json
 import time
 import uuid
@@ -28,6 +29,8 @@ from tracking.fanout import Fanout
 from tracking.journal import Journal, read_journal
 
 CONFIG, RUN = "config.toml", "run.json"
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 Listeners = Callable[[Config], Sequence[Recorder]]
 """Makes those that follow a run besides its journal."""
@@ -152,6 +155,13 @@ def _work(
         finally:
             checkpoints.close()
             recorder.close()
+    except OSError as error:
+        if error.errno not in _NO_ROOM:
+            raise
+        raise InputError(
+            f"{this.folder}: {error.strerror}. All that was written until then is there; make room "
+            f"and go on with meshipelago resume {this.folder}."
+        ) from None
     finally:
         executor.close()
     return done

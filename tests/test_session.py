@@ -150,6 +150,29 @@ def test_a_killed_run_goes_on(deck: Path, whole: Path, tmp_path: Path) -> None:
     assert resumed(folder) == digest_of(whole)
 
 
+@pytest.mark.parametrize("kilobytes", [2, 10, 26, 30])
+def test_a_full_disk_ends_a_run_with_a_sentence_and_nothing_that_was_written_is_lost(
+    deck: Path, whole: Path, tmp_path: Path, kilobytes: int
+) -> None:
+    """No file may grow beyond a size: the journal, the rounds or a checkpoint, as it happens."""
+    folder = tmp_path / "run"
+    options = ["--size", "5", "--criteria", "paper", "--flow", "1", "--track", "off", "--quiet"]
+    script = (
+        "import resource; from islands.cli import main; "
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({1000 * kilobytes},) * 2); main()"
+    )
+    command = [sys.executable, "-c", script, "optimize", str(deck), "--out", str(folder)]
+    ended = subprocess.run([*command, *options], capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    (sentence,) = ended.stderr.splitlines()
+    assert f"make room and go on with meshipelago resume {folder}" in sentence
+    assert not list(folder.glob(".*.part"))
+    before = rounds_of(folder)
+    assert before == rounds_of(whole)[: len(before)]
+    assert resumed(folder) == digest_of(whole)
+    assert rounds_of(folder) == rounds_of(whole)
+
+
 def test_a_run_without_a_checkpoint_begins_anew(stopped: Path, whole: Path) -> None:
     for name in (CHECKPOINT, BEFORE):
         (stopped / name).unlink()

@@ -85,10 +85,10 @@ class Journal:
         """End the stream and write the tables."""
         if self._file.closed:
             return
-        self._stream.close()
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        self._file.close()
+        with self._file:
+            self._stream.close()
+            self._file.flush()
+            os.fsync(self._file.fileno())
         write_tables(self._folder)
 
 
