@@ -160,6 +160,7 @@ class Archipelago:
         self.number = number
         self.work = work
         self.schedule = schedule
+        self.begun = begun
         self.is_over = begun is not None and begun.is_last
         self._targets: dict[int, list[int]] = {}
         self._sources: dict[int, list[int]] = {}
@@ -318,7 +319,7 @@ def evolve_archipelagos(
     Time limit and interruption end all of them with the best that was found until then.
     """
     status: Status = "finished"
-    reached: dict[int, Milestone] = {}
+    reached = {a.number: a.begun for a in archipelagos if a.begun is not None}
     try:
         for milestone in executor.evolve(archipelagos):
             reached[milestone.work] = milestone

@@ -1,9 +1,9 @@
-"""Checkpoint: a run as it is between two rounds, in its folder, from where it can go on.
+"""Checkpoint: a run as it is between two rounds or generations, from where it can go on.
 
 What is promised: a checkpoint is there whole or not at all, the one before it stays beside it, and
 one that is damaged or of another run is not used. What goes on from it ends with the mesh of the
-run that was never stopped. Its size is that of the mesh: each round of the procedure is written
-once, to a stream of its own.
+run that was never stopped. Its size is that of the mesh, or of the population: each round of the
+procedure is written once, to a stream of its own.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from islands.milestones import milestone_arrays, milestone_figures, read_milestone
 from islands.procedure import Round, read_round, round_document
-from islands.search import SearchState
+from islands.search import SearchState, State
 from meshops.errors import InputError
 from meshops.mesh import ShellMesh, digest_of
 from meshops.operations import ALL_OPERATIONS
@@ -45,11 +46,11 @@ class Checkpoints:
         Of the run.
     run : str
         What the answer of the run depends on, as a digest.
-    state : SearchState or None
+    state : SearchState, Milestone or None
         What the run goes on from; its rounds are written anew, without those that it has dropped.
     """
 
-    def __init__(self, folder: Path, run: str, state: SearchState | None = None) -> None:
+    def __init__(self, folder: Path, run: str, state: State | None = None) -> None:
         self._folder = folder
         self._run = run
         self._rounds: tuple[Round, ...] = ()
@@ -60,14 +61,16 @@ class Checkpoints:
             return
         unfinished = folder / f".{ROUNDS}.part"
         self._start_stream(unfinished)
-        self._append(state.rounds)
+        if isinstance(state, SearchState):
+            self._append(state.rounds)
         unfinished.replace(folder / ROUNDS)
         self._write(state)
         (folder / BEFORE).unlink(missing_ok=True)
 
-    def keep(self, state: SearchState) -> None:
+    def keep(self, state: State) -> None:
         """Write a state down; the last one becomes the one before it."""
-        self._append(state.rounds)
+        if isinstance(state, SearchState):
+            self._append(state.rounds)
         self._write(state)
 
     def close(self) -> None:
@@ -104,21 +107,24 @@ class Checkpoints:
         self._file.flush()
         os.fsync(self._file.fileno())
 
-    def _write(self, state: SearchState) -> None:
+    def _write(self, state: State) -> None:
         """Write a checkpoint whole; the one that was there becomes the one before it."""
         import pyarrow as pa
 
-        figures = {name: getattr(state, name) for name in _FIGURES}
-        heading = {
-            "format": FORMAT,
-            "run": self._run,
-            "rounds": len(state.rounds),
-            "entries": self._entries,
-            "figures": figures,
-        }
+        heading: dict[str, Any] = {"format": FORMAT, "run": self._run}
+        if isinstance(state, SearchState):
+            heading |= {
+                "figures": {name: getattr(state, name) for name in _FIGURES},
+                "rounds": len(state.rounds),
+                "entries": self._entries,
+            }
+            arrays = dict(_arrays(state))
+        else:
+            heading |= {"milestone": milestone_figures(state)}
+            arrays = milestone_arrays(state)
         rows = [
             ("heading", np.frombuffer(json.dumps(heading).encode(), np.uint8)),
-            *_arrays(state),
+            *arrays.items(),
         ]
         table = pa.table(
             {
@@ -144,7 +150,7 @@ class Checkpoints:
             unfinished.unlink(missing_ok=True)
 
 
-def latest_state(folder: Path, run: str) -> tuple[SearchState | None, str]:
+def latest_state(folder: Path, run: str) -> tuple[State | None, str]:
     """Read the last state of a run, or the one before it where the last is damaged.
 
     Returns the state, None where there is none yet, and a sentence on what was damaged, or "".
@@ -169,7 +175,7 @@ class _DamagedError(Exception):
     """A file is not as it was written."""
 
 
-def _read(path: Path, stream: Path, run: str) -> SearchState:
+def _read(path: Path, stream: Path, run: str) -> State:
     import pyarrow as pa
 
     try:
@@ -196,6 +202,8 @@ def _read(path: Path, stream: Path, run: str) -> SearchState:
             "now; start anew with optimize."
         )
     arrays = dict(rows[1:])
+    if "milestone" in heading:
+        return read_milestone(heading["milestone"], arrays)
     rounds = _read_rounds(stream, heading["entries"], heading["rounds"])
     mesh = _mesh(arrays, "mesh")
     best = _mesh(arrays, "best") if "best.points" in arrays else mesh

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from islands.archipelago import Executor, Status
+from islands.archipelago import Executor, Milestone, Status
 from islands.config import Config
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
 from islands.procedure import Procedure, Round
 from islands.replay import read_procedure
 from islands.rounds import evolve_rounds
-from islands.search import Evolution, SearchState, Watchers
+from islands.search import Evolution, SearchState, State, Watchers
 from islands.transfer import transfer
 from islands.whole import evolve_alone, evolve_whole
 from meshops.criteria import Criteria
@@ -192,14 +192,15 @@ def run(
     started: float,
     is_enough: Callable[[ShellMesh], bool] = lambda _: False,
     *,
-    keep: Callable[[SearchState], None] = lambda _: None,
-    state: SearchState | None = None,
+    keep: Callable[[State], None] = lambda _: None,
+    state: State | None = None,
     run_id: str = "",
 ) -> Finished:
     """Evolve a procedure and perform it; every generation is recorded.
 
     `started` is the time.monotonic() from which seconds and time limit count. `keep` takes the
-    state between two rounds; with a `state` and a `run_id` an earlier run goes on from there.
+    state between two rounds or generations; with a `state` and a `run_id` an earlier run goes on
+    from there.
     """
     config = job.config
     before = job.quality(job.mesh)
@@ -243,21 +244,21 @@ def summary(quality: QualityIndex) -> MeshSummary:
     )
 
 
-def _evolve(job: Job, executor: Executor, watch: Watchers, state: SearchState | None) -> Evolution:
+def _evolve(job: Job, executor: Executor, watch: Watchers, state: State | None) -> Evolution:
     config, problem = job.config, job.problem
     if config.operation:
         return evolve_alone(problem, job.mesh, config, watch.record, watch.started)
     schedule = config.schedule
     if config.profile == "paper":
-        return evolve_whole(problem, job.mesh, schedule, executor, watch.record, watch.started)
+        begun = state if isinstance(state, Milestone) else None
+        return evolve_whole(problem, job.mesh, schedule, executor, watch, begun)
     rounds: tuple[Round, ...] = ()
     mesh = job.mesh
     if job.known:
         mesh, rounds = transfer(job.known, mesh, ALL_OPERATIONS, problem.setting)
     reference = Reference(job.mesh, problem.setting.feature_angle)
-    evolution = evolve_rounds(
-        problem, state or mesh, reference, config.plan, schedule, executor, watch
-    )
+    start = state if isinstance(state, SearchState) else mesh
+    evolution = evolve_rounds(problem, start, reference, config.plan, schedule, executor, watch)
     return replace(evolution, rounds=rounds + evolution.rounds)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from islands.archipelago import Status
+from islands.archipelago import Milestone, Status
 from islands.procedure import Round
 from meshops.mesh import Floats, ShellMesh
 from meshops.subdomain import Aim, Extent
@@ -84,6 +84,10 @@ class SearchState:
     is_done: bool
 
 
+State = SearchState | Milestone
+"""What a run goes on from: over rounds, or of one archipelago for the whole mesh."""
+
+
 @dataclass(frozen=True, eq=False)
 class Evolution:
     """What rounds made of a mesh."""
@@ -105,7 +109,8 @@ class Watchers:
     record : callable
         Takes the events.
     keep : callable
-        Takes the state after each round that was not cut short.
+        Takes the state after each round that was not cut short, or the milestone after each
+        generation where there are no rounds.
     is_enough : callable
         Whether a mesh ends the search earlier; asked of each one that is the fittest so far.
     started : float
@@ -113,6 +118,6 @@ class Watchers:
     """
 
     record: Callable[[Event], None]
-    keep: Callable[[SearchState], None]
+    keep: Callable[[State], None]
     is_enough: Callable[[ShellMesh], bool]
     started: float

@@ -20,7 +20,7 @@ from islands.config import Config, load_config
 from islands.interruption import Interruption
 from islands.results import RESULT, prepare_folder, write_results, write_text
 from islands.run import Finished, Job, run, start_executor
-from islands.search import SearchState
+from islands.search import SearchState, State
 from meshops.criteria_files import load_criteria
 from meshops.errors import InputError
 from meshops.formats import Deck, read_deck
@@ -46,7 +46,7 @@ class _Run:
     deck : Deck
     job : Job
     run_id : str
-    state : SearchState or None
+    state : SearchState, Milestone or None
         What an earlier session has left.
     """
 
@@ -55,7 +55,7 @@ class _Run:
     deck: Deck
     job: Job
     run_id: str
-    state: SearchState | None = None
+    state: State | None = None
 
 
 def optimize(
@@ -116,7 +116,7 @@ def resume(
         notify(f"{sentence} The run goes on from the checkpoint before it.")
 
     def begin() -> Sequence[Event]:
-        return _events_until(folder, state.reports if state else 0)
+        return _events_until(folder, state)
 
     return _work(_Run(folder, source, deck, job, about["run"], state), started, begin, listeners)
 
@@ -189,10 +189,20 @@ def _status(folder: Path) -> str:
         return ""
 
 
-def _events_until(folder: Path, reports: int) -> list[Event]:
-    """Events of a journal up to so many rounds; those after them will happen again."""
+def _events_until(folder: Path, state: State | None) -> list[Event]:
+    """Events of a journal until a state was reached; those after it will happen again."""
     events = read_journal(folder)
+    if state is None:
+        return []
+    if not isinstance(state, SearchState):
+        later = (
+            number
+            for number, event in enumerate(events)
+            if isinstance(event, GenerationReport) and event.generation >= state.generation
+        )
+        return events[: next(later, len(events))]
     kept = rounds = 0
+    reports = state.reports
     for number, event in enumerate(events):
         if rounds == reports:
             break

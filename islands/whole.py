@@ -22,7 +22,7 @@ from islands.island import IslandState
 from islands.operation_ga import generations
 from islands.procedure import Place, Round, Step, perform_steps
 from islands.reporter import Reporter
-from islands.search import Evolution
+from islands.search import Evolution, Watchers
 from meshops.mesh import ShellMesh
 from meshops.workpiece import Workpiece
 from tracking.events import Event
@@ -33,13 +33,18 @@ def evolve_whole(
     mesh: ShellMesh,
     schedule: Schedule,
     executor: Executor,
-    record: Callable[[Event], None],
-    started: float,
+    watch: Watchers,
+    begun: Milestone | None = None,
 ) -> Evolution:
-    """Evolve one procedure for the whole mesh."""
+    """Evolve one procedure for the whole mesh, from a milestone on where one is given."""
     work = Work(problem, mesh, is_whole=True)
-    reporter = _reporter(work, record, started)
-    result = evolve_archipelagos([Archipelago(0, work, schedule)], executor, reporter.watch)
+    reporter = _reporter(work, watch.record, watch.started, begun.generation if begun else 0)
+
+    def follow(milestone: Milestone) -> None:
+        reporter.watch(milestone)
+        watch.keep(milestone)
+
+    result = evolve_archipelagos([Archipelago(0, work, schedule, begun)], executor, follow)
     done = _evolution(work, result.best[0].best_steps, result.evaluations, result.status)
     return replace(done, performed=result.performed, reason="; ".join(result.reasons))
 
@@ -92,7 +97,9 @@ def evolve_alone(
     return _evolution(work, steps, evaluations, status)
 
 
-def _reporter(work: Work, record: Callable[[Event], None], started: float) -> Reporter:
+def _reporter(
+    work: Work, record: Callable[[Event], None], started: float, reported: int = 0
+) -> Reporter:
     return Reporter(
         record=record,
         setting=work.problem.setting,
@@ -103,6 +110,7 @@ def _reporter(work: Work, record: Callable[[Event], None], started: float) -> Re
         evaluations=0,
         performed=0,
         started=started,
+        reported=reported,
     )
 
 

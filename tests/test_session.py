@@ -21,8 +21,8 @@ from islands.search import SearchState
 from meshops.errors import InputError
 from meshops.examples import plate
 from meshops.formats import write_mesh
-from tests.jobs import SMALL
-from tracking.events import Event, RoundReport, RunFinished, RunStarted
+from tests.jobs import SMALL, WHOLE
+from tracking.events import Event, GenerationReport, RoundReport, RunFinished, RunStarted
 from tracking.journal import read_journal
 
 SETTINGS = {**SMALL, "flow": 1, "track": "off"}
@@ -130,6 +130,33 @@ def test_a_run_can_be_interrupted_again_and_again(
         resumed(tmp_path / "run")
     assert digest_of(tmp_path / "run") == digest_of(whole)
     assert rounds_of(tmp_path / "run") == rounds_of(whole)
+
+
+@pytest.mark.parametrize("backend", ["local", "ray"])
+def test_one_procedure_for_the_whole_mesh_goes_on_from_any_generation(
+    deck: Path, tmp_path: Path, interrupt: Callable[[int], None],
+    monkeypatch: pytest.MonkeyPatch, backend: str,
+) -> None:  # fmt: skip
+    """With migrants on their way: what the islands and the sea hold is in the checkpoint."""
+    settings = WHOLE | {"islands": 3, "generations": 4, "migration-delay": 1, "elites": 1}
+
+    def told(folder: Path) -> list[Event]:
+        events = [e for e in read_journal(folder) if not isinstance(e, RunStarted | RunFinished)]
+        return [
+            replace(e, seconds=0.0, performed=0) if isinstance(e, GenerationReport) else e
+            for e in events
+        ]
+
+    digest = optimized(deck, tmp_path / "whole", **settings)
+    for generation in (1, 3, 5) if backend == "local" else (2,):
+        folder = tmp_path / str(generation)
+        interrupt(generation)
+        config = config_of(**settings)
+        done = session.optimize(deck, folder, config, nobody, overwrite=False)
+        monkeypatch.undo()
+        assert done.status == "interrupted"
+        assert resumed(folder, backend=backend) == digest == digest_of(folder)
+        assert told(folder) == told(tmp_path / "whole")
 
 
 def test_a_killed_run_goes_on(deck: Path, whole: Path, tmp_path: Path) -> None:
