@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from islands.archipelago import Schedule
+from islands.archipelago import Mode, Schedule
 from islands.genetics import Breeding
 from islands.integration_ga import Problem, Work
 from islands.island import IslandPlan
@@ -111,7 +111,10 @@ def trivial_work(payload: int, *, seconds: float = 0.0, is_whole: bool = False) 
     return Work(problem, mesh, is_whole=is_whole)
 
 
-def trivial_schedule(islands: int, individuals: int, genes: int, generations: int) -> Schedule:
-    """Put islands in a ring."""
+def trivial_schedule(
+    islands: int, individuals: int, genes: int, generations: int, mode: Mode = "synchronous"
+) -> Schedule:
+    """Put islands in a ring; migrants arrive an epoch late where islands do not wait for them."""
     plan = IslandPlan(Breeding(individuals=individuals), genes, Migration())
-    return Schedule((plan,) * islands, generations, Topology("ring").links(islands))
+    links, delay = Topology("ring").links(islands), int(mode == "overlapped")
+    return Schedule((plan,) * islands, generations, links, delay=delay, mode=mode)
