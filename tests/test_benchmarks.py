@@ -1,5 +1,7 @@
 """The benchmarks' parts and measures: what the table of the README rests on."""
 
+import subprocess
+import sys
 from itertools import pairwise
 from math import atan2, hypot, pi
 
@@ -8,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 from benchmarks.isolation import IsolatedError, isolated
+from benchmarks.killing import Killer, descendants
 from benchmarks.measures import (
     Shape,
     parity_bound,
@@ -17,8 +20,12 @@ from benchmarks.measures import (
     tapers,
 )
 from benchmarks.parts import PARTS, circle, segments
+from benchmarks.scale import needed
 from benchmarks.tiling import tiled
+from benchmarks.trivial import trivial_schedule, trivial_work
 from benchmarks.validity import faults
+from islands.archipelago import Archipelago, Mode
+from islands.executors.local import LocalExecutor
 from meshops.criteria import PAPER
 from meshops.examples import plate
 from meshops.mesh import ShellMesh
@@ -202,3 +209,34 @@ def test_faults_of_a_mesh_are_told():
     assert faults(mesh, less) == ["the area changed", "a hole opened or closed"]
     twice = ShellMesh.build(mesh.points, [*mesh.elements, mesh.elements[5]])
     assert "more than two elements meet at an edge" in faults(mesh, twice)
+
+
+# --- engine, scale, faults ----------------------------------------------------------------------
+
+
+def test_a_trivial_problem_scores_individuals_and_carries_its_payload() -> None:
+    work = trivial_work(1000)
+    assert {len(operation.payload) for operation in work.problem.operations} == {1000}
+    archipelago = Archipelago(0, work, trivial_schedule(2, 3, 4, 2))
+    *_, last = LocalExecutor().evolve([archipelago])
+    assert last.generation == 3
+    assert all(state.performed >= 110 for state in last.islands)
+
+
+@pytest.mark.parametrize(("mode", "expected"), [("synchronous", 3.0 + 3.0), ("overlapped", 4.0)])
+def test_what_a_schedule_needs_is_its_longest_chain_of_steps(mode: Mode, expected: float) -> None:
+    """Two islands that take 1 and 3 seconds in turn: whoever need not wait is done earlier."""
+    schedule = trivial_schedule(2, 2, 1, 1, mode)
+    assert needed(schedule, np.array([[1.0, 3.0], [3.0, 1.0]]), 2) == expected
+    assert needed(schedule, np.array([[1.0, 3.0], [3.0, 1.0]]), 1) == 8.0
+
+
+def test_a_killer_takes_its_own_descendants_by_name() -> None:
+    above = (
+        "import subprocess, sys; subprocess.run(['sleep', '60']); subprocess.run(['sleep', '0'])"
+    )
+    with subprocess.Popen([sys.executable, "-c", above]) as process:
+        with Killer(process.pid, 60.0, ("sleep",)) as killer:
+            process.wait(30)
+        assert killer.killed == 1
+    assert descendants(process.pid) == []
