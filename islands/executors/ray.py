@@ -29,10 +29,6 @@ from islands.integration_ga import Evaluator, Runner, Work, Workbench
 from islands.island import IslandPlan, step
 from meshops.errors import InputError
 
-FEW = 1
-"""Archipelagos for each CPU below which their islands are shared out, and not they themselves: the
-last of them would keep one CPU busy and leave the others idle."""
-
 _KNOCK_SECONDS = 5.0
 
 
@@ -148,7 +144,7 @@ class RayExecutor:
         cpus = self._cpus()
         islands = sum(archipelago.schedule.islands for archipelago in archipelagos)
         try:
-            if len(archipelagos) >= FEW * cpus and not any(a.work.is_whole for a in archipelagos):
+            if len(archipelagos) >= cpus and not any(a.work.is_whole for a in archipelagos):
                 yield from self._evolve_whole(archipelagos, cpus)
             else:
                 yield from self._evolve_by_islands(archipelagos, min(cpus, islands))
