@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -39,6 +40,8 @@ class Killer(threading.Thread):
         Between two kills.
     names : tuple of str
         What the names of those that may die begin with; they take turns.
+    most : float
+        How many.
 
     Attributes
     ----------
@@ -46,8 +49,11 @@ class Killer(threading.Thread):
         So far.
     """
 
-    def __init__(self, pid: int, seconds: float, names: tuple[str, ...]) -> None:
+    def __init__(
+        self, pid: int, seconds: float, names: tuple[str, ...], most: float = float("inf")
+    ) -> None:
         super().__init__(daemon=True)
+        self._most = most
         self.killed = 0
         self._pid = pid
         self._seconds = seconds
@@ -57,12 +63,13 @@ class Killer(threading.Thread):
     def run(self) -> None:
         """Kill until it is told to end."""
         pause = 0.0
-        while not self._is_over.wait(pause):
+        while self.killed < self._most and not self._is_over.wait(pause):
             found = [pid for pid, name in descendants(self._pid) if name.startswith(self._names)]
             pause = LOOK_SECONDS
             if found:
-                os.kill(found[self.killed % len(found)], signal.SIGKILL)
-                self.killed += 1
+                with suppress(ProcessLookupError):
+                    os.kill(found[self.killed % len(found)], signal.SIGKILL)
+                    self.killed += 1
                 pause = self._seconds
 
     def __enter__(self) -> Self:

@@ -39,7 +39,7 @@ TIMEOUT = 1500.0
 
 
 def plate_seconds(workers: int) -> float:
-    """Return what the plate takes at default settings, the median of some seeds, Ray running."""
+    """Return what the plate takes at default settings, the mean of some seeds, Ray running."""
     connect(None, workers)
     executor = RayExecutor(workers=workers)
     try:

@@ -267,7 +267,8 @@ def evolve_in_turn(
     """Take all steps of an archipelago here, one after the other."""
     while asked := archipelago.ready():
         for state, immigrants in asked:
-            yield from archipelago.take(step(state, immigrants))
+            if not archipelago.is_over:
+                yield from archipelago.take(step(state, immigrants))
 
 
 class Executor(Protocol):

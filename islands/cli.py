@@ -131,7 +131,12 @@ def check(mesh: Path, criteria: str | None, size: float | None, json_file: Path 
 @click.option("--time-limit", type=float, metavar="SECONDS")
 @click.option("--backend", type=click.Choice(["local", "ray"]))
 @click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
-@click.option("--workers", type=int, metavar="N", help="Processes at the most.")
+@click.option(
+    "--workers",
+    type=int,
+    metavar="N",
+    help="Processes of this machine; on a cluster: actors at the most.",
+)
 @click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
 @click.option(
     "--warm-start",
@@ -159,14 +164,16 @@ def optimize(
 ) -> None:
     """Evolve a repair procedure for a mesh and write the better mesh."""
     from islands import session
-    from islands.config import FREE, load_config
+    from islands.config import FILES, FREE, load_config
 
     _refuse_to_lose(out)
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
     if resuming and session.has_run(out):
-        free = {key: v for key, v in given.items() if key.replace("-", "_") in FREE}
-        _go_on(out, free, quiet=quiet, source=mesh)
+        may_differ = {k: v for k, v in given.items() if k.replace("-", "_") in FREE | FILES}
+        _go_on(out, may_differ, quiet=quiet, source=mesh)
         return
+    if resuming:
+        session.clear_half_begun(out)
     if "size" in given:
         given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
@@ -177,7 +184,12 @@ def optimize(
 @click.argument("folder", type=_PATH)
 @click.option("--backend", type=click.Choice(["local", "ray"]))
 @click.option("--address", metavar="ADDR", help="Of the Ray cluster; default: this machine.")
-@click.option("--workers", type=int, metavar="N", help="Processes at the most.")
+@click.option(
+    "--workers",
+    type=int,
+    metavar="N",
+    help="Processes of this machine; on a cluster: actors at the most.",
+)
 @click.option("--time-limit", type=float, metavar="SECONDS")
 @click.option("--track", metavar="URI|off", help="MLflow server; default: ./mlflow.db.")
 @click.option("--quiet", is_flag=True, help="Show no progress.")

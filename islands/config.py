@@ -57,7 +57,11 @@ ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
 
 FREE = {"backend", "address", "workers", "mode", "time_limit", "evaluation_limit", "track"}
 """Settings that another run may have that ends with the same mesh: where, how long and in how many
-processes it works, who waits for whom, and who is told of it."""
+processes it works, who waits for whom, and who is told of it. (A limit of evaluations that some do
+not keep is the one that could tell.)"""
+
+FILES = {"criteria", "size", "warm_start"}
+"""Settings that may name a file, which may have moved: what is in it counts."""
 
 _MODEL = ConfigDict(
     frozen=True,
@@ -250,8 +254,9 @@ class Config(BaseModel):
 
     @property
     def decisive(self) -> dict[str, Any]:
-        """What the answer depends on: all settings but `FREE`."""
-        return self.model_dump(mode="json", exclude=FREE)
+        """What the answer depends on: all settings but `FREE`, and of files not where they are."""
+        size = {"size"} if self.size_field and Path(self.size_field).is_file() else set()
+        return self.model_dump(mode="json", exclude={*FREE, "criteria", "warm_start", *size})
 
     def to_toml(self) -> str:
         """All settings as a file that loads back equal, paths from the root."""

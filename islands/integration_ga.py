@@ -21,9 +21,6 @@ from meshops.operations import NOTHING, Operation
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
-GENES = 10
-"""Genes of an individual (section 4.1)."""
-
 REMEMBERED_BYTES = 5e8
 """Of the meshes that an island remembers; what was unused for longest goes first."""
 

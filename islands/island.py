@@ -27,7 +27,7 @@ class IslandState:
     Attributes
     ----------
     work : int
-        Which of the works of an archipelago it is busy with.
+        The number of the work that it is busy with.
     island : int
     generation : int
         How many generations it has scored; 0 before the first.

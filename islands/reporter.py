@@ -39,6 +39,8 @@ class Reporter:
         Before the round.
     started : float
         The time.monotonic() of the run's start.
+    reported : int
+        Generations that were told before.
     """
 
     def __init__(

@@ -58,10 +58,10 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
         "quality_after.txt": done.after.table() + "\n",
         RESULT: json.dumps(result_document(job, done), indent=1) + "\n",
     }
-    for name, text in texts.items():
-        write_text(folder / name, text)
     draw(job.mesh, scoring, folder / "before.png", title=f"{job.name} before")
     draw(done.mesh, scoring, folder / "after.png", title=f"{job.name} after")
+    for name, text in texts.items():  # the last one says that all are there
+        write_text(folder / name, text)
     others = ("before.png", "after.png", HISTORY)  # the journal makes the history when it closes
     return [folder / name for name in (*texts, *others)]
 

@@ -94,9 +94,11 @@ class Job:
     @property
     def key(self) -> str:
         """Digest of all that the answer depends on."""
+        size = Path(self.config.size_field or "")
         parts = {
             "mesh": self.mesh.digest,
             "settings": self.config.decisive,
+            "sizes": size.read_text(encoding="utf-8") if size.is_file() else None,
             "criteria": dump_criteria(self.problem.setting.scoring.criteria),
             "known": self.known.result if self.known else None,
         }

@@ -11,11 +11,12 @@ import json
 import time
 import uuid
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from islands.checkpoint import Checkpoints, latest_state
+from islands.checkpoint import CHECKPOINT, Checkpoints, latest_state
 from islands.config import Config, load_config
 from islands.interruption import Interruption
 from islands.results import RESULT, prepare_folder, write_results, write_text
@@ -86,6 +87,12 @@ def has_run(folder: Path) -> bool:
     return (folder / RUN).exists()
 
 
+def clear_half_begun(folder: Path) -> None:
+    """Remove the settings of a run that was killed before it had begun."""
+    if not has_run(folder):
+        (folder / CONFIG).unlink(missing_ok=True)
+
+
 def resume(
     folder: Path,
     given: Mapping[str, Any],
@@ -103,7 +110,7 @@ def resume(
     """
     started = time.monotonic()
     about = _about(folder)
-    if _status(folder) == "finished":
+    if _status(folder) == "finished" and not (folder / CHECKPOINT).exists():
         return None
     # the time limit was that of the session before
     config = load_config(folder / CONFIG, {"time-limit": None, **given})
@@ -133,7 +140,8 @@ def _work(
     executor = start_executor(job, started + (config.time_limit or float("inf")), interruption.heed)
     try:
         known = begin()
-        spent = max((e.seconds for e in known if isinstance(e, RoundReport)), default=0.0)
+        reports = (e for e in known if isinstance(e, RoundReport | GenerationReport))
+        spent = max((report.seconds for report in reports), default=0.0)
         checkpoints = Checkpoints(this.folder, job.key, state)
         recorder = Fanout([Journal(this.folder, known), *listeners(config)])
 
@@ -142,7 +150,9 @@ def _work(
             if isinstance(event, GenerationReport):
                 interruption.heed()
 
-        try:
+        with ExitStack() as ending:
+            ending.callback(recorder.close)
+            ending.callback(checkpoints.close)
             with interruption:  # after Ray has set its own signals
                 done = run(
                     job, executor, record, started - spent,
@@ -150,11 +160,8 @@ def _work(
                 )  # fmt: skip
                 files = write_results(this.folder, job, this.deck, this.source, done)
                 recorder.keep(files)
-                if done.status == "finished":
-                    checkpoints.discard()
-        finally:
-            checkpoints.close()
-            recorder.close()
+        if done.status == "finished":
+            checkpoints.discard()
     except OSError as error:
         if error.errno not in _NO_ROOM:
             raise
@@ -191,9 +198,9 @@ def _status(folder: Path) -> str:
 
 def _events_until(folder: Path, state: State | None) -> list[Event]:
     """Events of a journal until a state was reached; those after it will happen again."""
-    events = read_journal(folder)
     if state is None:
         return []
+    events = read_journal(folder)
     if not isinstance(state, SearchState):
         later = (
             number

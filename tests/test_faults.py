@@ -10,10 +10,12 @@ import os
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from benchmarks.killing import Killer
+from islands.integration_ga import Task
 from islands.run import Finished, Job
 from meshops.mesh import ShellMesh
 from tests.decks import bad_plate
@@ -114,13 +116,49 @@ def test_an_individual_that_always_crashes_has_the_worst_fitness_and_the_run_goe
     assert all("has ended its process 4 times" in reason for _, _, reason in faults)
 
 
+def test_a_ledger_forgets_no_task_that_runs_and_counts_each_submission_for_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Islands that ask for the same task at the same time are no sign of a crash."""
+    from islands.executors import ledger
+
+    given: list[ledger.Ticket] = []
+
+    class Remote:
+        def remote(self, _: object, ticket: ledger.Ticket, *__: object) -> tuple[object, object]:
+            given.append(ticket)
+            return object(), object()
+
+    here = SimpleNamespace(current_actor=None)
+    monkeypatch.setattr(ledger, "_run_remotely", Remote())
+    monkeypatch.setattr(ledger.ray, "get_runtime_context", lambda: here)
+    book = ledger._Ledger(1.0)
+    parcel = ledger.Parcel(0, b"problem", b"mesh", 0, True)  # noqa: FBT003 - hex() is all it needs
+    tasks = [Task(str(number), 0, 0) for number in range(10)]
+    for _ in range(3):
+        for task in tasks:
+            book.ask(parcel, 2, [(task, None)])
+    assert len(given) == len(tasks)
+    assert {book.begin(ticket) for ticket in given} == {1}
+    for ticket in given:
+        book.end(ticket)
+    for task in tasks:
+        book.ask(parcel, 2, [(task, None)])
+    assert len(given) == 2 * len(tasks) - 1  # nearly all had been forgotten by the next one
+    assert book.begin(given[-1]) == 1
+    assert [book.begin(given[-1]) for _ in range(4)] == [2, 3, 4, 5]
+    book.forget(parcel, tasks[-1:])
+    book.ask(parcel, 2, [(tasks[-1], None)])
+    assert book.begin(given[-1]) == 1
+
+
 @pytest.mark.parametrize(
-    ("make", "names", "seconds"),
+    ("make", "names", "seconds", "most"),
     [
-        (job, ("ray::_Host", "ray::_run"), 3.0),
-        (whole_job, ("ray::_Host",), 3.0),
-        (whole_job, ("ray::_run",), 2.0),
-        (whole_job, ("ray::_Ledger",), 5.0),
+        (job, ("ray::_Host", "ray::_run"), 3.0, 9),
+        (whole_job, ("ray::_Host",), 3.0, 9),
+        (whole_job, ("ray::_run",), 2.0, 9),
+        (whole_job, ("ray::_Ledger",), 5.0, 2),
     ],
 )
 def test_processes_that_are_killed_at_any_moment_leave_no_trace(
@@ -130,10 +168,11 @@ def test_processes_that_are_killed_at_any_moment_leave_no_trace(
     make: Make,
     names: tuple[str, ...],
     seconds: float,
+    most: int,
 ) -> None:
     of = with_faults(make(mesh, islands=2, backend="ray"), "none", 0, tmp_path)
     events: list[Event] = []
-    with Killer(os.getpid(), seconds, names) as killer:
+    with Killer(os.getpid(), seconds, names, most) as killer:
         done = finish(of, events)
     assert killer.killed
     assert done.mesh.digest == sound[make].mesh.digest

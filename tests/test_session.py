@@ -13,17 +13,21 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
 from islands import session
 from islands.checkpoint import BEFORE, CHECKPOINT, ROUNDS, Checkpoints
+from islands.cli import cli
 from islands.config import Config, load_config
 from islands.search import SearchState
+from meshops.criteria import PAPER
+from meshops.criteria_files import dump_criteria
 from meshops.errors import InputError
 from meshops.examples import plate
 from meshops.formats import write_mesh
 from tests.jobs import SMALL, WHOLE
 from tracking.events import Event, GenerationReport, RoundReport, RunFinished, RunStarted
-from tracking.journal import read_journal
+from tracking.journal import JOURNAL, read_journal
 
 SETTINGS = {**SMALL, "flow": 1, "track": "off"}
 
@@ -108,7 +112,7 @@ def test_a_run_can_be_interrupted_between_any_two_rounds(
         assert resumed(folder) == digest_of(whole) == digest_of(folder)
         assert rounds_of(folder) == rounds_of(whole)
         events = read_journal(folder)
-        seconds = [event.seconds for event in events if isinstance(event, RoundReport)]
+        seconds = [e.seconds for e in events if isinstance(e, RoundReport | GenerationReport)]
         assert seconds == sorted(seconds)
         assert isinstance(events[-1], RunFinished)
         assert len({event.run_id for event in events if isinstance(event, RunStarted)}) == 1
@@ -198,6 +202,52 @@ def test_a_full_disk_ends_a_run_with_a_sentence_and_nothing_that_was_written_is_
     assert before == rounds_of(whole)[: len(before)]
     assert resumed(folder) == digest_of(whole)
     assert rounds_of(folder) == rounds_of(whole)
+
+
+def test_files_that_settings_name_may_be_named_otherwise_or_move(
+    deck: Path, tmp_path: Path, interrupt: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is in them counts: relative paths become absolute ones in the folder's settings."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text(dump_criteria(PAPER))
+    Path("sizes.csv").write_text("0,0,0,5\n100,100,0,6\n")
+    settings = {"criteria": "mine.toml", "size": "sizes.csv"}
+    digest = optimized(deck, tmp_path / "whole", **settings)
+    interrupt(2)
+    session.optimize(deck, tmp_path / "run", config_of(**settings), nobody, overwrite=False)
+    monkeypatch.undo()
+    (tmp_path / "elsewhere").mkdir()
+    for name in ("mine.toml", "sizes.csv"):
+        (tmp_path / name).rename(tmp_path / "elsewhere" / name)
+    moved = {key: str(tmp_path / "elsewhere" / name) for key, name in settings.items()}
+    assert resumed(tmp_path / "run", **moved) == digest
+    Path(moved["size"]).write_text("0,0,0,5\n100,100,0,7\n")
+    interrupt(2)
+    again = tmp_path / "again"
+    session.optimize(deck, again, config_of(**moved), nobody, overwrite=False)
+    monkeypatch.undo()
+    Path(moved["size"]).write_text("0,0,0,5\n100,100,0,8\n")
+    with pytest.raises(InputError, match="another run"):
+        session.resume(again, {}, nobody, lambda _: None)
+
+
+@pytest.mark.parametrize("lost", [(JOURNAL,), (JOURNAL, session.RUN)])
+def test_a_run_that_was_killed_before_it_had_begun_can_be_tried_again(
+    stopped: Path, whole: Path, deck: Path, lost: tuple[str, ...]
+) -> None:
+    for name in (CHECKPOINT, BEFORE, ROUNDS, "result.json", *lost):
+        (stopped / name).unlink()
+    if session.RUN not in lost:
+        assert resumed(stopped) == digest_of(whole)
+        return
+    for path in stopped.iterdir():
+        if path.name != session.CONFIG:
+            path.unlink()
+    options = ["--size", "5", "--criteria", "paper", "--flow", "1", "--track", "off", "--quiet"]
+    arguments = ["optimize", str(deck), "--out", str(stopped), "--resume", *options]
+    assert CliRunner().invoke(cli, arguments).exit_code == 0
+    assert digest_of(stopped) == digest_of(whole)
+    assert "has ended already" in CliRunner().invoke(cli, arguments).output
 
 
 def test_a_run_without_a_checkpoint_begins_anew(stopped: Path, whole: Path) -> None:

@@ -6,4 +6,7 @@ from pathlib import Path
 
 if __name__ == "__main__":
     command = str(Path.home() / "meshipelago" / "bin" / "meshipelago")
-    os.execv(command, [command, "optimize", *sys.argv[1:], "--backend", "ray", "--resume"])
+    os.execv(
+        command,
+        [command, "optimize", *sys.argv[1:], "--backend", "ray", "--address", "auto", "--resume"],
+    )

@@ -17,6 +17,7 @@ import ray
 from ray.exceptions import RayError, RayTaskError
 
 from islands.archipelago import TimeUpError
+from meshops.errors import InputError
 
 TRIES = 20
 """Actors that may die of one job before the run ends: each of a fault of its own, since what kills
@@ -32,10 +33,6 @@ _OF_THE_MACHINE = (RayError, MemoryError)
 """Errors within an actor that another one need not meet."""
 
 _LISTEN_SECONDS = 0.5
-
-
-class WorkersLostError(Exception):
-    """Ray has lost one worker after the other."""
 
 
 @dataclass(eq=False)
@@ -115,7 +112,7 @@ class Crew:
     def next(self) -> tuple[int, Answer]:
         """Wait for the next answer, with the actor's number.
 
-        Raises TimeUpError where time is up, WorkersLostError where too many actors have died.
+        Raises TimeUpError where time is up, InputError where too many actors have died.
         """
         while True:
             self.heed()
@@ -151,6 +148,10 @@ class Crew:
             raise error
         job.tries += 1
         if job.tries == TRIES:
-            raise WorkersLostError(str(error).splitlines()[0]) from None
+            raise InputError(
+                f"Ray has lost {TRIES} processes at the same piece of work (the last one: "
+                f"{str(error).splitlines()[0]}); look into Ray's logs, then go on with "
+                "meshipelago resume."
+            ) from None
         self.dismiss(number)
         self.give(number, job)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections import Counter, OrderedDict
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import ray
+from ray.exceptions import RayError
 
 from islands.executors.watchdog import ending_process_after
 from islands.integration_ga import (
@@ -37,16 +39,20 @@ CPUS = 0.95
 Key = tuple[str, Task]
 """A task, and the problem that it is of."""
 
+Ticket = tuple[Key, int]
+"""A task as it was given to Ray: how often before, and a number of its own."""
+
 
 def _run(
-    ledger: Any, key: Key, problem: Problem, task: Task, mesh: ShellMesh, limit: float
+    ledger: Any, ticket: Ticket, problem: Problem, task: Task, mesh: ShellMesh, limit: float
 ) -> tuple[Outcome, ShellMesh | None]:
     """Run an operation GA within `limit` seconds; no mesh where it stays as it is.
 
     Ray tries it again wherever its process or its machine is lost, which may be by chance. It has
     no answer where it has begun too often and never come to its end.
     """
-    if ray.get(ledger.begin.remote(key)) > TRIES:
+    if ray.get(ledger.begin.remote(ticket)) > TRIES:
+        ledger.end.remote(ticket)
         reason = (
             f"operation {task.code} on mesh {task.mesh} has ended its process {TRIES} times: a "
             f"crash, too much memory, or more than {limit:g} s"
@@ -58,7 +64,7 @@ def _run(
             outcome, after = run_task(problem, task, mesh)
     except MemoryError:
         os._exit(1)  # to be tried again in another process, as where the system ends this one
-    ledger.end.remote(key)
+    ledger.end.remote(ticket)
     return outcome, None if after is mesh else after
 
 
@@ -67,24 +73,34 @@ _run_remotely = ray.remote(num_returns=2, num_cpus=CPUS, max_retries=-1, max_cal
 
 @dataclass(frozen=True, eq=False)
 class Parcel:
-    """A work in the object store: each part crosses the wire once.
+    """A work whose parts are in the object store, where each machine takes them from once.
 
     Attributes
     ----------
     batch : int
         Of works that are evolved at the same time.
-    work, problem, mesh : ObjectRef
+    problem, mesh : ObjectRef
+    least_trias : int
+    is_whole : bool
+        As those of the work.
     """
 
     batch: int
-    work: Any
     problem: Any
     mesh: Any
+    least_trias: int
+    is_whole: bool
 
     @classmethod
     def of(cls, work: Work, batch: int) -> Parcel:
         """Put a work there."""
-        return cls(batch, ray.put(work), ray.put(work.problem), ray.put(work.mesh))
+        problem, mesh = ray.put(work.problem), ray.put(work.mesh)
+        return cls(batch, problem, mesh, work.least_trias, work.is_whole)
+
+    def open(self) -> Work:
+        """Take the work out."""
+        problem, mesh = ray.get([self.problem, self.mesh])
+        return Work(problem, mesh, self.least_trias, self.is_whole)
 
 
 class _Ledger:
@@ -97,7 +113,9 @@ class _Ledger:
         self._limit = limit
         self._self = ray.get_runtime_context().current_actor
         self._known: OrderedDict[Key, tuple[Any, Any]] = OrderedDict()
-        self._begun: Counter[Key] = Counter()
+        self._running: set[Key] = set()
+        self._begun: Counter[Ticket] = Counter()
+        self._tickets = itertools.count()
 
     def ask(
         self, parcel: Parcel, most: int, jobs: Sequence[tuple[Task, Any]]
@@ -108,23 +126,38 @@ class _Ledger:
             key = parcel.problem.hex(), task
             is_new = key not in self._known
             if is_new:
+                ticket = key, next(self._tickets)
+                self._running.add(key)
                 self._known[key] = _run_remotely.remote(
-                    self._self, key, parcel.problem, task, mesh, self._limit
+                    self._self, ticket, parcel.problem, task, mesh, self._limit
                 )
             self._known.move_to_end(key)
             found.append((*self._known[key], is_new))
-        while len(self._known) > max(most, len(jobs)):
-            self._known.popitem(last=False)
+        self._shrink(max(most, len(jobs)))
         return found
 
-    def begin(self, key: Key) -> int:
+    def begin(self, ticket: Ticket) -> int:
         """Count how often a task has begun."""
-        self._begun[key] += 1
-        return self._begun[key]
+        self._begun[ticket] += 1
+        return self._begun[ticket]
 
-    def end(self, key: Key) -> None:
+    def end(self, ticket: Ticket) -> None:
         """Forget how often: it has come to its end."""
-        del self._begun[key]
+        del self._begun[ticket]
+        self._running.discard(ticket[0])
+
+    def forget(self, parcel: Parcel, tasks: Sequence[Task]) -> None:
+        """Forget tasks whose answers are lost."""
+        for task in tasks:
+            self._known.pop((parcel.problem.hex(), task), None)
+
+    def _shrink(self, most: int) -> None:
+        """Forget what was asked for longest ago, but none that is running."""
+        excess = max(len(self._known) - most, 0)
+        oldest = itertools.islice(self._known, excess + len(self._running) if excess else 0)
+        ended = [key for key in oldest if key not in self._running]
+        for key in ended[:excess]:
+            del self._known[key]
 
 
 def start_ledger(limit: float) -> Any:
@@ -160,7 +193,11 @@ class LedgerRunner:
             return []
         most = int(REMEMBERED_BYTES / (BYTES_AN_ELEMENT * self.elements))
         asked = ray.get(self.ledger.ask.remote(self.parcel, most, jobs))
-        outcomes = ray.get([outcome for outcome, _, _ in asked])
+        try:
+            outcomes = ray.get([outcome for outcome, _, _ in asked])
+        except RayError:
+            ray.get(self.ledger.forget.remote(self.parcel, [task for task, _ in jobs]))
+            raise
         return [
             (outcome, mesh, is_new)
             for outcome, (_, mesh, is_new) in zip(outcomes, asked, strict=True)

@@ -6,10 +6,12 @@ import signal
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 
 from islands.archipelago import TimeUpError
 from islands.integration_ga import Handle, Outcome, Problem, Task, run_task
+from meshops.errors import InputError
 
 _LISTEN_SECONDS = 0.5
 
@@ -38,7 +40,7 @@ class PoolRunner:
         self._pool = ProcessPoolExecutor(workers, get_context("spawn"), _leave_signals)
 
     def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
-        """Run all; TimeUpError where the deadline has passed."""
+        """Run all; TimeUpError where time is up, InputError where a process has ended."""
         results = [self._pool.submit(run_task, self._problem, task, mesh) for task, mesh in jobs]
         waiting = set(results)
         while waiting:
@@ -47,7 +49,13 @@ class PoolRunner:
             if seconds <= 0.0:
                 raise TimeUpError
             waiting = wait(waiting, min(seconds, _LISTEN_SECONDS), FIRST_EXCEPTION).not_done
-        return [(*result.result(), True) for result in results]
+        try:
+            return [(*result.result(), True) for result in results]
+        except BrokenProcessPool:
+            raise InputError(
+                "A process of this machine that ran operation GAs has ended; go on with "
+                "meshipelago resume, with --backend ray where such processes are replaced."
+            ) from None
 
     def close(self) -> None:
         """Let the processes end when what they are at is done."""

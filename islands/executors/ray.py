@@ -80,9 +80,9 @@ class _Host:
 
     def _scorer(self, parcel: Parcel, *, is_careful: bool) -> Evaluator:
         """Return the evaluator of a work; those of batches before it are forgotten."""
-        key = parcel.batch, parcel.work.hex(), is_careful
+        key = parcel.batch, parcel.mesh.hex(), is_careful
         if key not in self._scorers:
-            work: Work = ray.get(parcel.work)
+            work = parcel.open()
             asks = is_careful or work.is_whole
             runner = self._asking(work, parcel) if asks else self._running(work)
             handle = parcel.mesh if asks else work.mesh
@@ -99,7 +99,7 @@ class _Host:
         return LedgerRunner(self._ledger, parcel, len(work.mesh.elements))
 
 
-_HostActor = ray.remote(num_cpus=0.01, scheduling_strategy="SPREAD")(_Host)
+_HostActor = ray.remote(num_cpus=0.001, scheduling_strategy="SPREAD")(_Host)
 """Hosts wait while tasks work: a whole CPU each would leave none for the tasks."""
 
 
@@ -114,7 +114,7 @@ class RayExecutor:
     address : str or None
         Of a cluster.
     workers : int or None
-        CPUs that are used at the most; None: all.
+        CPUs of a Ray that is started here, and actors at the most; None: as many as there are.
     deadline : float
         A time of time.monotonic().
     limit : float
@@ -196,7 +196,7 @@ class RayExecutor:
         """Share islands out to hosts; each steps as soon as it may and its host is free."""
         self._batch += 1
         parcels = [Parcel.of(archipelago.work, self._batch) for archipelago in archipelagos]
-        waiting: list[deque[Job]] = [deque() for _ in range(hosts)]
+        waiting: list[deque[tuple[Archipelago, Job]]] = [deque() for _ in range(hosts)]
         idle = set(range(hosts))
 
         def share_out(archipelago: Archipelago) -> None:
@@ -204,14 +204,18 @@ class RayExecutor:
             for asked in archipelago.ready():
                 island = asked[0].island
                 job = Job("step", _always(asked, schedule.plans[island], parcels[number]))
-                waiting[(number * schedule.islands + island) % hosts].append(job)
-            for host in [host for host in idle if waiting[host]]:
-                idle.remove(host)
-                self._crew.give(host, waiting[host].popleft())
+                host = (number * schedule.islands + island) % hosts
+                waiting[host].append((archipelago, job))
+            for host in list(idle):
+                while waiting[host] and waiting[host][0][0].is_over:
+                    waiting[host].popleft()
+                if waiting[host]:
+                    idle.remove(host)
+                    self._crew.give(host, waiting[host].popleft()[1])
 
         for archipelago in archipelagos:
             share_out(archipelago)
-        while self._crew.is_busy:
+        while not all(archipelago.is_over for archipelago in archipelagos):
             host, answer = self._crew.next()
             if answer.is_late:
                 raise TimeUpError
@@ -234,12 +238,15 @@ def connect(address: str | None, cpus: int | None = None) -> bool:
     options: dict[str, Any] = {"log_to_driver": False, "logging_level": "error"}
     try:
         if wanted is None:
-            ray.init(include_dashboard=False, num_cpus=cpus, **options)
+            # without this word it would join whatever cluster was started on this machine
+            ray.init(address="local", include_dashboard=False, num_cpus=cpus, **options)
         else:
             _knock(wanted)
             ray.init(address=wanted, **options)
     except (OSError, RuntimeError, ValueError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0].rstrip(".")
+        if wanted is None:
+            raise InputError(f"Ray does not start on this machine: {reason}.") from None
         raise InputError(
             f"No Ray cluster answers at {wanted} ({reason}); check --address, or leave it out "
             "to use this machine."
