@@ -1,7 +1,7 @@
 """What becomes of a run on Ray whose workers are killed, one every few seconds.
 
-The plate at the settings of ``thorough`` with rounds for a better flow, as a user would start it;
-the killer takes islands and tasks in turn, at any moment, with SIGKILL.
+The plate, tiled to some thousand elements, as a user would start it; the killer takes the processes
+of islands and operation GAs in turn, at any moment, with SIGKILL.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from pathlib import Path
 
 from benchmarks.killing import Killer
 from benchmarks.report import Row, parser, publish
-from meshops.examples import SIZE, plate
+from benchmarks.tiling import tiled
+from meshops.examples import SIZE
 from meshops.formats import write_mesh
 
 SETTINGS = f"""
-profile = "thorough"
 criteria = "paper"
 size = {SIZE}
-rounds = 20
-flow = 8
+rounds = 8
 track = "off"
 """
 
+ELEMENTS = 12_000
 SEEDS = (1, 2, 3, 4, 5)
 LEAST_KILLS = 20
-KILL_SECONDS = 3.0
-WORKERS = ("ray::_Host", "ray::_run", "ray::_Ledger")
+KILL_SECONDS = 4.0
+WORKERS = ("ray::_Host", "ray::_run")
 """How the processes that islands and operation GAs run in are named."""
 
 
@@ -65,7 +65,7 @@ class Place:
     def make(cls, folder: str) -> Place:
         """Write the deck and the settings."""
         place = cls(Path(folder))
-        write_mesh(plate(), place.folder / "plate.bdf")
+        write_mesh(tiled(ELEMENTS), place.folder / "plate.bdf")
         (place.folder / "settings.toml").write_text(SETTINGS, encoding="utf-8")
         return place
 

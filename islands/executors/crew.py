@@ -19,12 +19,13 @@ from ray.exceptions import RayError, RayTaskError
 from islands.archipelago import TimeUpError
 from meshops.errors import InputError
 
-TRIES = 20
+TRIES = 60
 """Actors that may die of one job before the run ends: each of a fault of its own, since what kills
 an actor for sure is taken out of it before."""
 
-TRIES_AT_ONCE = 2
-"""Of them, those that run operation GAs themselves; the next ones have them run as tasks."""
+CAREFUL = 3
+"""One actor of so many has operation GAs run as tasks, where one that ends its process can be told;
+the others run them themselves, which is faster and needs fewer processes to live."""
 
 MOST_MEMORY = 2e9
 """Bytes of an actor above which another takes its place: libraries leak."""
@@ -55,7 +56,7 @@ class Job:
     @property
     def is_careful(self) -> bool:
         """Whether operation GAs are run as tasks: one that ends its process can be told then."""
-        return self.tries >= TRIES_AT_ONCE
+        return self.tries % CAREFUL == CAREFUL - 1
 
 
 @dataclass(frozen=True, eq=False)

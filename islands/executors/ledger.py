@@ -30,6 +30,9 @@ from meshops.mesh import ShellMesh
 TRIES = 4
 """Processes that an operation GA may end before it has no answer."""
 
+ASKED_AGAIN = 10
+"""Times, where the ledger was lost."""
+
 CALLS = 500
 """Of a worker process, which is replaced then: libraries leak."""
 
@@ -175,6 +178,8 @@ def start_ledger(limit: float) -> Any:
 class LedgerRunner:
     """Runs operation GAs as tasks; meshes stay in the object store, handles are references.
 
+    What it asked for is lost where the ledger dies: RayError then.
+
     Attributes
     ----------
     ledger : actor
@@ -201,4 +206,36 @@ class LedgerRunner:
         return [
             (outcome, mesh, is_new)
             for outcome, (_, mesh, is_new) in zip(outcomes, asked, strict=True)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class CarefulRunner:
+    """Runs operation GAs as tasks, and keeps the meshes, which are small, itself.
+
+    Where this process dies the ledger knows what was done, and where the ledger does this process
+    has it: however often either is lost, a step comes to its end.
+
+    Attributes
+    ----------
+    asking : LedgerRunner
+    """
+
+    asking: LedgerRunner
+
+    def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
+        """Run all at the same time, again where the ledger was lost meanwhile."""
+        for _ in range(ASKED_AGAIN):
+            try:
+                return self._run(jobs)
+            except RayError:
+                continue
+        return self._run(jobs)
+
+    def _run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
+        found = self.asking.run(jobs)
+        meshes = ray.get([mesh for _, mesh, _ in found])
+        return [
+            (outcome, before if after is None else after, is_new)
+            for (outcome, _, is_new), (_, before), after in zip(found, jobs, meshes, strict=True)
         ]

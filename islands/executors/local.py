@@ -101,16 +101,10 @@ class LocalExecutor:
         return self._pool
 
 
-def evolve_here(
-    archipelago: Archipelago, runner: Runner, handle: Handle | None = None
-) -> Iterator[Milestone]:
-    """Evolve an archipelago in this process: its islands share what they learn.
-
-    `handle` is the mesh for the runner, where it is not the mesh itself.
-    """
+def evolve_here(archipelago: Archipelago, runner: Runner) -> Iterator[Milestone]:
+    """Evolve an archipelago in this process: its islands share what they learn."""
     work, plans = archipelago.work, archipelago.schedule.plans
-    handle = work.mesh if handle is None else handle
-    scorer = Evaluator(work.problem, runner, work.root, handle, is_enough=work.is_solved)
+    scorer = Evaluator(work.problem, runner, work.root, work.mesh, is_enough=work.is_solved)
     return evolve_in_turn(
         archipelago, lambda state, migrants: step(state, migrants, scorer, plans[state.island])
     )

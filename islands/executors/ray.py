@@ -23,7 +23,7 @@ import ray
 
 from islands.archipelago import Archipelago, Asked, Milestone, TimeUpError
 from islands.executors.crew import Answer, Crew, Job
-from islands.executors.ledger import LedgerRunner, Parcel, start_ledger
+from islands.executors.ledger import CarefulRunner, LedgerRunner, Parcel, start_ledger
 from islands.executors.local import LocalRunner, evolve_here
 from islands.integration_ga import Evaluator, Runner, Work, Workbench
 from islands.island import IslandPlan, step
@@ -60,7 +60,7 @@ class _Host:
         """Evolve an archipelago; its milestones until time is up."""
         work, milestones = archipelago.work, list[Milestone]()
         if is_careful and parcel is not None:
-            going = evolve_here(archipelago, self._asking(work, parcel), parcel.mesh)
+            going = evolve_here(archipelago, CarefulRunner(self._asking(work, parcel)))
         else:
             going = evolve_here(archipelago, self._running(work))
         is_late = False
@@ -83,9 +83,12 @@ class _Host:
         key = parcel.batch, parcel.mesh.hex(), is_careful
         if key not in self._scorers:
             work = parcel.open()
-            asks = is_careful or work.is_whole
-            runner = self._asking(work, parcel) if asks else self._running(work)
-            handle = parcel.mesh if asks else work.mesh
+            runner: Runner = self._running(work)
+            if work.is_whole:
+                runner = self._asking(work, parcel)
+            elif is_careful:
+                runner = CarefulRunner(self._asking(work, parcel))
+            handle = parcel.mesh if work.is_whole else work.mesh
             self._scorers = {k: v for k, v in self._scorers.items() if k[0] == parcel.batch}
             self._scorers[key] = Evaluator(
                 work.problem, runner, work.root, handle, is_enough=work.is_solved
@@ -95,7 +98,7 @@ class _Host:
     def _running(self, work: Work) -> Runner:
         return LocalRunner(work.problem, self._deadline, bench=self._bench, limit=self._limit)
 
-    def _asking(self, work: Work, parcel: Parcel) -> Runner:
+    def _asking(self, work: Work, parcel: Parcel) -> LedgerRunner:
         return LedgerRunner(self._ledger, parcel, len(work.mesh.elements))
 
 
