@@ -63,6 +63,9 @@ def faults_of(events: list[Event]) -> list[tuple[int, int, str]]:
 def sound(mesh: ShellMesh, tmp_path_factory: pytest.TempPathFactory) -> dict[Make, Finished]:
     """What the same operations lead to in one process, without any harm."""
     folder = tmp_path_factory.mktemp("none")
+    for make in (job, whole_job):
+        # on a fresh install workers compile what arrays from the store ask for: no hang
+        finish(with_faults(make(mesh, islands=2, backend="ray"), "none", 0, folder))
     return {
         make: finish(with_faults(make(mesh, islands=2), "none", 0, folder))
         for make in (job, whole_job)
@@ -87,7 +90,8 @@ def test_what_a_second_try_mends_leaves_no_trace(
     mesh: ShellMesh, sound: dict[Make, Finished], tmp_path: Path, make: Make, harm: Harm
 ) -> None:
     """Some processes die, and the answer is the same."""
-    of = make(mesh, islands=2, backend="ray", evaluation_limit=5.0)
+    limit = 5.0 if harm == "hang" else 600.0
+    of = make(mesh, islands=2, backend="ray", evaluation_limit=limit)
     faulty = with_faults(of, harm, 1, tmp_path / "harm")
     events: list[Event] = []
     done = finish(faulty, events)
