@@ -24,7 +24,7 @@ from meshops.formats import write_mesh
 SETTINGS = f"""
 criteria = "paper"
 size = {SIZE}
-rounds = 8
+rounds = 12
 track = "off"
 """
 
