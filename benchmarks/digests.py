@@ -23,26 +23,23 @@ RAY = "--backend", "ray", "--workers"
 
 def digests(place: Place, seed: int) -> dict[str, Run]:
     """Run a seed in all ways."""
-    local = place.run(f"local-{seed}", seed)
-    found = {"local": local}
+    found = {"local": place.run(f"local-{seed}", seed)}
     for workers in ("1", "2", "4"):
         found[f"Ray {workers}"] = place.run(f"ray-{workers}-{seed}", seed, *RAY, workers)
     name = f"killed-{seed}"
     killed = place.run_under_fire(name, seed, KILL_SECONDS, *RAY, "2")
     found[f"Ray 2, {killed.killed} killed"] = killed
-    for title, then in (("driver killed, resumed", ()), ("resumed on Ray", (*RAY, "2"))):
-        name = f"driver-{len(then)}-{seed}"
-        process = place.start(name, seed)
-        time.sleep(local.seconds / 2.0)
+    for title, first, then in (
+        ("driver killed, resumed", (), ()),
+        ("resumed on Ray", (), (*RAY, "2")),
+        ("Ray's driver killed, resumed locally", (*RAY, "2"), ("--backend", "local")),
+    ):
+        name = f"{title}-{seed}"
+        process = place.start(name, seed, *first)
+        time.sleep(found["Ray 2" if first else "local"].seconds / 2.0)
         process.send_signal(signal.SIGKILL)
         process.wait()
         found[title] = place.resume(name, *then)
-    name = f"driver-ray-{seed}"
-    process = place.start(name, seed, *RAY, "2")
-    time.sleep(found["Ray 2"].seconds / 2.0)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    found["Ray's driver killed, resumed locally"] = place.resume(name, "--backend", "local")
     return found
 
 

@@ -275,7 +275,7 @@ class Executor(Protocol):
     """Where islands run. The rest of the program does not know which executor it has."""
 
     def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
-        """Take all steps of all archipelagos, which say by their place in the list who they are.
+        """Take all steps of all archipelagos, which are numbered by their place in the list.
 
         Milestones of one archipelago come in order. Raises TimeUpError where the run's time is up.
         """

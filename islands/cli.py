@@ -172,11 +172,11 @@ def optimize(
         may_differ = {k: v for k, v in given.items() if k.replace("-", "_") in FREE | FILES}
         _go_on(out, may_differ, quiet=quiet, source=mesh)
         return
-    if resuming:
-        session.clear_half_begun(out)
     if "size" in given:
         given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
+    if resuming:
+        session.clear_half_begun(out, config)
     _end(session.optimize(mesh, out, config, _listeners(quiet=quiet), overwrite=overwrite), out)
 
 

@@ -57,8 +57,8 @@ ALONE: Mapping[str, Any] = {"islands": 1, "population": 100, "generations": 30}
 
 FREE = {"backend", "address", "workers", "mode", "time_limit", "evaluation_limit", "track"}
 """Settings that another run may have that ends with the same mesh: where, how long and in how many
-processes it works, who waits for whom, and who is told of it. (A limit of evaluations that some do
-not keep is the one that could tell.)"""
+processes it works, who waits for whom, and who is told of it. Just an evaluation limit that some
+evaluations come near could make a difference."""
 
 FILES = {"criteria", "size", "warm_start"}
 """Settings that may name a file, which may have moved: what is in it counts."""

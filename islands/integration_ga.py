@@ -163,6 +163,11 @@ class Work:
         return bool(tally[FAILED] == 0 and tally[TRIAS] <= self.least_trias)
 
 
+def remembered(elements: int, most_bytes: float = REMEMBERED_BYTES) -> int:
+    """How many meshes of about so many elements are remembered."""
+    return int(most_bytes / (BYTES_AN_ELEMENT * elements))
+
+
 class Runner(Protocol):
     """Runs operation GAs."""
 
@@ -281,7 +286,13 @@ class Evaluator:
         self.evaluations = self.performed = 0
         self._is_enough = is_enough
         self._known: OrderedDict[Task, tuple[Outcome, Handle]] = OrderedDict()
-        self._most = int(remembered_bytes / (BYTES_AN_ELEMENT * root.tally[ELEMENTS]))
+        self._most = remembered(int(root.tally[ELEMENTS]), remembered_bytes)
+
+    @classmethod
+    def of(cls, work: Work, runner: Runner, handle: Handle | None = None) -> Evaluator:
+        """Make the evaluator of a work; `handle` is its mesh where that is not the mesh itself."""
+        handle = work.mesh if handle is None else handle
+        return cls(work.problem, runner, work.root, handle, is_enough=work.is_solved)
 
     def evaluate(self, genomes: Ids, fitness: Fitness | None = None) -> Scored:
         """Score genomes (P, G), by another fitness than the run's where one is given."""

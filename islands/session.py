@@ -87,10 +87,12 @@ def has_run(folder: Path) -> bool:
     return (folder / RUN).exists()
 
 
-def clear_half_begun(folder: Path) -> None:
-    """Remove the settings of a run that was killed before it had begun."""
-    if not has_run(folder):
-        (folder / CONFIG).unlink(missing_ok=True)
+def clear_half_begun(folder: Path, config: Config) -> None:
+    """Empty a folder in which this very run was killed as soon as it had written its settings."""
+    settings = folder / CONFIG
+    is_alone = folder.is_dir() and list(folder.iterdir()) == [settings]
+    if is_alone and settings.read_text(encoding="utf-8") == config.to_toml():
+        settings.unlink()
 
 
 def resume(
@@ -102,9 +104,9 @@ def resume(
 ) -> Finished | None:
     """Go on with a run from its checkpoint; None where it has ended already.
 
-    `given` are settings that may be others than before, `Config.FREE`. The mesh at the end is that
-    of the run without the interruption. `notify` is told of what was damaged. `source` is where the
-    deck is now; None: where it was.
+    `given` are settings that may be others than before: `FREE`, and where `FILES` are. The mesh at
+    the end is that of the run without the interruption. `notify` is told of what was damaged.
+    `source` is where the deck is now; None: where it was.
 
     Raises InputError where the folder has no run that can go on.
     """

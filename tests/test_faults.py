@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import pytest
 
 from benchmarks.killing import Killer
-from islands.integration_ga import Task
+from islands.integration_ga import BYTES_AN_ELEMENT, REMEMBERED_BYTES, Task
 from islands.run import Finished, Job
 from meshops.mesh import ShellMesh
 from tests.decks import bad_plate
@@ -137,22 +137,23 @@ def test_a_ledger_forgets_no_task_that_runs_and_counts_each_submission_for_itsel
     monkeypatch.setattr(ledger, "_run_remotely", Remote())
     monkeypatch.setattr(ledger.ray, "get_runtime_context", lambda: here)
     book = ledger._Ledger(1.0)
-    parcel = ledger.Parcel(0, b"problem", b"mesh", 0, True)  # noqa: FBT003 - hex() is all it needs
+    elements = int(REMEMBERED_BYTES / BYTES_AN_ELEMENT / 2)  # so large that two are remembered
+    parcel = ledger.Parcel(0, b"problem", b"mesh", elements, 0, True)  # noqa: FBT003
     tasks = [Task(str(number), 0, 0) for number in range(10)]
     for _ in range(3):
         for task in tasks:
-            book.ask(parcel, 2, [(task, None)])
+            book.ask(parcel, [(task, None)])
     assert len(given) == len(tasks)
     assert {book.begin(ticket) for ticket in given} == {1}
     for ticket in given:
         book.end(ticket)
     for task in tasks:
-        book.ask(parcel, 2, [(task, None)])
+        book.ask(parcel, [(task, None)])
     assert len(given) == 2 * len(tasks) - 1  # nearly all had been forgotten by the next one
     assert book.begin(given[-1]) == 1
     assert [book.begin(given[-1]) for _ in range(4)] == [2, 3, 4, 5]
     book.forget(parcel, tasks[-1:])
-    book.ask(parcel, 2, [(tasks[-1], None)])
+    book.ask(parcel, [(tasks[-1], None)])
     assert book.begin(given[-1]) == 1
 
 

@@ -14,9 +14,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import ray
-from ray.exceptions import RayError, RayTaskError
+from ray.exceptions import RayError
 
 from islands.archipelago import TimeUpError
+from islands.executors.ledger import is_our_own
 from meshops.errors import InputError
 
 TRIES = 60
@@ -30,9 +31,6 @@ the others run them themselves, which is faster and needs fewer processes to liv
 MOST_MEMORY = 2e9
 """Bytes of an actor above which another takes its place: libraries leak."""
 
-_OF_THE_MACHINE = (RayError, MemoryError)
-"""Errors within an actor that another one need not meet."""
-
 _LISTEN_SECONDS = 0.5
 
 
@@ -44,13 +42,13 @@ class Job:
     ----------
     method : str
     arguments : callable
-        Makes those besides the keyword `is_careful`, which it is told.
+        Makes them by name, told whether this try is a careful one.
     tries : int
         Actors that have died of it, or by chance beside it.
     """
 
     method: str
-    arguments: Callable[[bool], tuple[Any, ...]]
+    arguments: Callable[[bool], dict[str, Any]]
     tries: int = 0
 
     @property
@@ -106,9 +104,8 @@ class Crew:
         """Give an actor a job; it is started where it is not there yet."""
         if number not in self._actors:
             self._actors[number] = self.start()
-        method, is_careful = getattr(self._actors[number], job.method), job.is_careful
-        call = method.remote(*job.arguments(is_careful), is_careful=is_careful)
-        self._calls[call] = number, job
+        method = getattr(self._actors[number], job.method)
+        self._calls[method.remote(**job.arguments(job.is_careful))] = number, job
 
     def next(self) -> tuple[int, Answer]:
         """Wait for the next answer, with the actor's number.
@@ -145,7 +142,7 @@ class Crew:
 
     def _replace(self, number: int, job: Job, error: RayError) -> None:
         """Give the job to another actor, unless our own code has failed, which would again."""
-        if isinstance(error, RayTaskError) and not isinstance(error.cause, _OF_THE_MACHINE):
+        if is_our_own(error):
             raise error
         job.tries += 1
         if job.tries == TRIES:

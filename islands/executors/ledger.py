@@ -11,17 +11,16 @@ from typing import Any
 
 import numpy as np
 import ray
-from ray.exceptions import RayError
+from ray.exceptions import RayError, RayTaskError
 
 from islands.executors.watchdog import ending_process_after
 from islands.integration_ga import (
-    BYTES_AN_ELEMENT,
-    REMEMBERED_BYTES,
     Handle,
     Outcome,
     Problem,
     Task,
     Work,
+    remembered,
     run_task,
 )
 from meshops.kernels.quality import TALLY_SIZE
@@ -43,7 +42,15 @@ Key = tuple[str, Task]
 """A task, and the problem that it is of."""
 
 Ticket = tuple[Key, int]
-"""A task as it was given to Ray: how often before, and a number of its own."""
+"""A task as it was given to Ray once: the task and a number of its own."""
+
+_OF_THE_MACHINE = (RayError, MemoryError)
+"""Errors within a process that another one need not meet."""
+
+
+def is_our_own(error: RayError) -> bool:
+    """Whether our own code has failed, and would again in another process."""
+    return isinstance(error, RayTaskError) and not isinstance(error.cause, _OF_THE_MACHINE)
 
 
 def _run(
@@ -83,6 +90,8 @@ class Parcel:
     batch : int
         Of works that are evolved at the same time.
     problem, mesh : ObjectRef
+    elements : int
+        Of the mesh.
     least_trias : int
     is_whole : bool
         As those of the work.
@@ -91,6 +100,7 @@ class Parcel:
     batch: int
     problem: Any
     mesh: Any
+    elements: int
     least_trias: int
     is_whole: bool
 
@@ -98,7 +108,8 @@ class Parcel:
     def of(cls, work: Work, batch: int) -> Parcel:
         """Put a work there."""
         problem, mesh = ray.put(work.problem), ray.put(work.mesh)
-        return cls(batch, problem, mesh, work.least_trias, work.is_whole)
+        elements = len(work.mesh.elements)
+        return cls(batch, problem, mesh, elements, work.least_trias, work.is_whole)
 
     def open(self) -> Work:
         """Take the work out."""
@@ -120,9 +131,7 @@ class _Ledger:
         self._begun: Counter[Ticket] = Counter()
         self._tickets = itertools.count()
 
-    def ask(
-        self, parcel: Parcel, most: int, jobs: Sequence[tuple[Task, Any]]
-    ) -> list[tuple[Any, Any, bool]]:
+    def ask(self, parcel: Parcel, jobs: Sequence[tuple[Task, Any]]) -> list[tuple[Any, Any, bool]]:
         """Return references to the outcome and the mesh of each, and whether it is new."""
         found = []
         for task, mesh in jobs:
@@ -136,7 +145,7 @@ class _Ledger:
                 )
             self._known.move_to_end(key)
             found.append((*self._known[key], is_new))
-        self._shrink(max(most, len(jobs)))
+        self._shrink(max(remembered(parcel.elements), len(jobs)))
         return found
 
     def begin(self, ticket: Ticket) -> int:
@@ -184,20 +193,16 @@ class LedgerRunner:
     ----------
     ledger : actor
     parcel : Parcel
-    elements : int
-        Of the mesh that the work began with.
     """
 
     ledger: Any
     parcel: Parcel
-    elements: int
 
     def run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:
         """Run all at the same time."""
         if not jobs:
             return []
-        most = int(REMEMBERED_BYTES / (BYTES_AN_ELEMENT * self.elements))
-        asked = ray.get(self.ledger.ask.remote(self.parcel, most, jobs))
+        asked = ray.get(self.ledger.ask.remote(self.parcel, jobs))
         try:
             outcomes = ray.get([outcome for outcome, _, _ in asked])
         except RayError:
@@ -228,8 +233,9 @@ class CarefulRunner:
         for _ in range(ASKED_AGAIN):
             try:
                 return self._run(jobs)
-            except RayError:
-                continue
+            except RayError as error:
+                if is_our_own(error):
+                    raise
         return self._run(jobs)
 
     def _run(self, jobs: Sequence[tuple[Task, Handle]]) -> list[tuple[Outcome, Handle, bool]]:

@@ -103,8 +103,7 @@ class LocalExecutor:
 
 def evolve_here(archipelago: Archipelago, runner: Runner) -> Iterator[Milestone]:
     """Evolve an archipelago in this process: its islands share what they learn."""
-    work, plans = archipelago.work, archipelago.schedule.plans
-    scorer = Evaluator(work.problem, runner, work.root, work.mesh, is_enough=work.is_solved)
+    scorer, plans = Evaluator.of(archipelago.work, runner), archipelago.schedule.plans
     return evolve_in_turn(
         archipelago, lambda state, migrants: step(state, migrants, scorer, plans[state.island])
     )

@@ -12,6 +12,7 @@ import socket
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -54,18 +55,15 @@ class _Host:
         self._bench = Workbench()
         self._scorers: dict[tuple[int, str, bool], Evaluator] = {}
 
-    def evolve(
-        self, archipelago: Archipelago, parcel: Parcel | None, *, is_careful: bool
-    ) -> Answer:
-        """Evolve an archipelago; its milestones until time is up."""
+    def evolve(self, archipelago: Archipelago, parcel: Parcel | None) -> Answer:
+        """Evolve an archipelago, with care where a parcel is given; milestones until time is up."""
         work, milestones = archipelago.work, list[Milestone]()
-        if is_careful and parcel is not None:
-            going = evolve_here(archipelago, CarefulRunner(self._asking(work, parcel)))
-        else:
-            going = evolve_here(archipelago, self._running(work))
+        runner = self._running(work)
+        if parcel is not None:
+            runner = CarefulRunner(self._asking(parcel))
         is_late = False
         try:
-            milestones.extend(going)
+            milestones.extend(evolve_here(archipelago, runner))
         except TimeUpError:
             is_late = True
         return Answer(milestones, is_late, _memory())
@@ -80,26 +78,24 @@ class _Host:
 
     def _scorer(self, parcel: Parcel, *, is_careful: bool) -> Evaluator:
         """Return the evaluator of a work; those of batches before it are forgotten."""
-        key = parcel.batch, parcel.mesh.hex(), is_careful
+        key = parcel.batch, parcel.mesh.hex(), is_careful and not parcel.is_whole
         if key not in self._scorers:
             work = parcel.open()
-            runner: Runner = self._running(work)
-            if work.is_whole:
-                runner = self._asking(work, parcel)
-            elif is_careful:
-                runner = CarefulRunner(self._asking(work, parcel))
-            handle = parcel.mesh if work.is_whole else work.mesh
             self._scorers = {k: v for k, v in self._scorers.items() if k[0] == parcel.batch}
-            self._scorers[key] = Evaluator(
-                work.problem, runner, work.root, handle, is_enough=work.is_solved
-            )
+            if work.is_whole:
+                scorer = Evaluator.of(work, self._asking(parcel), parcel.mesh)
+            elif is_careful:
+                scorer = Evaluator.of(work, CarefulRunner(self._asking(parcel)))
+            else:
+                scorer = Evaluator.of(work, self._running(work))
+            self._scorers[key] = scorer
         return self._scorers[key]
 
     def _running(self, work: Work) -> Runner:
         return LocalRunner(work.problem, self._deadline, bench=self._bench, limit=self._limit)
 
-    def _asking(self, work: Work, parcel: Parcel) -> LedgerRunner:
-        return LedgerRunner(self._ledger, parcel, len(work.mesh.elements))
+    def _asking(self, parcel: Parcel) -> LedgerRunner:
+        return LedgerRunner(self._ledger, parcel)
 
 
 _HostActor = ray.remote(num_cpus=0.001, scheduling_strategy="SPREAD")(_Host)
@@ -186,10 +182,10 @@ class RayExecutor:
         reference = ray.put(archipelago)
         parcels: list[Parcel] = []
 
-        def arguments(is_careful: bool) -> tuple[Any, ...]:  # noqa: FBT001
+        def arguments(is_careful: bool) -> dict[str, Any]:  # noqa: FBT001
             if is_careful and not parcels:
                 parcels.append(Parcel.of(archipelago.work, self._batch))
-            return reference, parcels[0] if is_careful else None
+            return {"archipelago": reference, "parcel": parcels[0] if is_careful else None}
 
         return Job("evolve", arguments)
 
@@ -206,7 +202,8 @@ class RayExecutor:
             number, schedule = archipelago.number, archipelago.schedule
             for asked in archipelago.ready():
                 island = asked[0].island
-                job = Job("step", _always(asked, schedule.plans[island], parcels[number]))
+                given = {"asked": asked, "plan": schedule.plans[island], "parcel": parcels[number]}
+                job = Job("step", partial(_with_care, given))
                 host = (number * schedule.islands + island) % hosts
                 waiting[host].append((archipelago, job))
             for host in list(idle):
@@ -267,8 +264,8 @@ def _knock(address: str) -> None:
         socket.create_connection((host.strip("[]"), int(port)), _KNOCK_SECONDS).close()
 
 
-def _always(*arguments: Any) -> Callable[[bool], tuple[Any, ...]]:
-    return lambda _: arguments
+def _with_care(given: dict[str, Any], is_careful: bool) -> dict[str, Any]:  # noqa: FBT001
+    return {**given, "is_careful": is_careful}
 
 
 def _memory() -> int:
