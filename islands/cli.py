@@ -168,12 +168,12 @@ def optimize(
 
     _refuse_to_lose(out)
     given = {name.replace("_", "-"): v for name, v in options.items() if v is not None}
+    if "size" in given:
+        given["size"] = _number_or_name(given["size"])
     if resuming and session.has_run(out):
         may_differ = {k: v for k, v in given.items() if k.replace("-", "_") in FREE | FILES}
         _go_on(out, may_differ, quiet=quiet, source=mesh)
         return
-    if "size" in given:
-        given["size"] = _number_or_name(given["size"])
     config = load_config(config_file, given)
     if resuming:
         session.clear_half_begun(out, config)

@@ -231,6 +231,25 @@ def test_files_that_settings_name_may_be_named_otherwise_or_move(
         session.resume(again, {}, nobody, lambda _: None)
 
 
+def test_the_same_command_goes_on_and_leaves_a_config_file_of_the_user(
+    stopped: Path, whole: Path, deck: Path, tmp_path: Path
+) -> None:
+    options = ["--size", "5", "--criteria", "paper", "--flow", "1", "--track", "off", "--quiet"]
+    result = CliRunner().invoke(
+        cli, ["optimize", str(deck), "--out", str(stopped), "--resume", *options]
+    )
+    assert result.exit_code == 0
+    assert digest_of(stopped) == digest_of(whole)
+    own = tmp_path / "own" / session.CONFIG
+    own.parent.mkdir()
+    own.write_text("flow = 1\n")
+    result = CliRunner().invoke(
+        cli, ["optimize", str(deck), "--out", str(own.parent), "--resume", *options]
+    )
+    assert "is not empty" in str(result.exception)
+    assert own.read_text() == "flow = 1\n"
+
+
 @pytest.mark.parametrize("lost", [(JOURNAL,), (JOURNAL, session.RUN)])
 def test_a_run_that_was_killed_before_it_had_begun_can_be_tried_again(
     stopped: Path, whole: Path, deck: Path, lost: tuple[str, ...]
