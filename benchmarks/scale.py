@@ -1,4 +1,4 @@
-"""How much faster more workers are: the plate with one and two, and islands that sleep.
+"""How much faster more workers are: plates with one and two, and islands that sleep.
 
 Evaluations sleep, on a Ray that is told to have as many CPUs as there are processes: what is
 measured is what the archipelago, Ray and this machine add to the time that the same steps need by
@@ -17,14 +17,17 @@ import numpy as np
 from benchmarks.improving import job_of
 from benchmarks.isolation import isolated
 from benchmarks.report import Row, parser, publish
+from benchmarks.tiling import tiled
 from benchmarks.trivial import trivial_schedule, trivial_work
-from islands.archipelago import Archipelago, Mode, Schedule
+from islands.archipelago import Archipelago, Executor, Mode, Schedule
 from islands.executors.ray import RayExecutor, connect
-from islands.run import run
+from islands.run import Job, run
 from meshops.examples import SIZE, plate
 from meshops.mesh import Floats
 
-SEEDS = (1, 2, 3, 4, 5)
+PLATES = {0: (1, 2, 3, 4, 5), 12_000: (1, 2)}
+"""Elements of the plate, tiled to so many (0: as it is), and the seeds."""
+
 FASTER = 1.8
 
 ISLANDS = {4: 0.95, 16: 0.95, 64: 0.95, 256: 0.9}
@@ -38,20 +41,23 @@ GENES, GENERATIONS = 4, 8
 TIMEOUT = 1500.0
 
 
-def plate_seconds(workers: int) -> float:
-    """Return what the plate takes at default settings, the mean of some seeds, Ray running."""
+def plate_seconds(elements: int, workers: int) -> float:
+    """Return what a plate takes at default settings, the mean of its seeds, Ray running."""
     connect(None, workers)
     executor = RayExecutor(workers=workers)
+    mesh = tiled(elements) if elements else plate()
+    jobs = [job_of("plate", mesh, size=SIZE, seed=seed) for seed in PLATES[elements]]
     try:
-        found = []
-        for seed in (0, *SEEDS):  # the first one starts the actors
-            job = job_of("plate", plate(), size=SIZE, seed=seed)
-            started = time.monotonic()
-            run(job, executor, lambda _: None, started)
-            found.append(time.monotonic() - started)
-        return statistics.fmean(found[1:])
+        _seconds(job_of("plate", plate(), size=SIZE), executor)  # starts the actors
+        return statistics.fmean(_seconds(job, executor) for job in jobs)
     finally:
         executor.close()
+
+
+def _seconds(job: Job, executor: Executor) -> float:
+    started = time.monotonic()
+    run(job, executor, lambda _: None, started)
+    return time.monotonic() - started
 
 
 def efficiency(islands: int, mode: Mode) -> float:
@@ -99,18 +105,22 @@ def main() -> None:
     options = parser(__doc__)
     options.add_argument("--most", type=int, default=max(ISLANDS), metavar="ISLANDS")
     chosen = options.parse_args()
-    one, two = (
-        isolated(plate_seconds, n, timeout=TIMEOUT, method="spawn") for n in (1, 2)
-    )  # fmt: skip
-    rows = [
-        Row(
-            "the plate, default settings: 2 workers over 1",
-            f"{one / two:.2f} times as fast ({one:.2f} s, {two:.2f} s)",
-            f">= {FASTER}",
-            one / two >= FASTER,
+    rows: list[Row] = []
+    details: dict[str, Any] = {"plate": {}, "islands": {}}
+    for elements in PLATES:
+        one, two = (
+            isolated(plate_seconds, elements, n, timeout=TIMEOUT, method="spawn") for n in (1, 2)
         )
-    ]
-    details: dict[str, Any] = {"plate": [one, two], "islands": {}}
+        details["plate"][elements] = [one, two]
+        tiles = f", tiled to {elements:,} elements" if elements else ""
+        rows.append(
+            Row(
+                f"the plate{tiles}, default settings: 2 workers over 1",
+                f"{one / two:.2f} times as fast ({one:.2f} s, {two:.2f} s)",
+                f">= {FASTER}",
+                one / two >= FASTER,
+            )
+        )
     for islands, least in ISLANDS.items():
         if islands > chosen.most:
             continue

@@ -14,6 +14,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from islands.finishing import Piece
 from islands.integration_ga import Work
 from islands.island import IslandPlan, IslandState, OwnFitness
 from islands.migration import Migrants
@@ -120,6 +121,9 @@ class Milestone:
     is_last : bool
     reasons : tuple of str
         Why it is the last one before the last generation, where a rule of stopping said so.
+    piece : Piece or None
+        What the fittest procedure makes of the mesh, where it is the last one and its executor has
+        found that out.
     """
 
     work: int
@@ -128,6 +132,7 @@ class Milestone:
     travelling: tuple[Group, ...]
     is_last: bool
     reasons: tuple[str, ...]
+    piece: Piece | None = None
 
     @property
     def generation(self) -> int:
@@ -200,6 +205,17 @@ class Archipelago:
         while not self.is_over and len(self._scored.get(self._passed + 1, ())) == len(self._states):
             self._passed += 1
             yield self._milestone(self._scored.pop(self._passed))
+
+    def fittest(self, milestone: Milestone) -> IslandState:
+        """Return the island that has seen the fittest procedure, the first of equals.
+
+        By the run's measure, where islands have their own.
+        """
+        islands = milestone.islands
+        if all(plan.fitness == OwnFitness() for plan in self.schedule.plans):
+            return islands[int(np.argmax([state.best_fitness for state in islands]))]
+        tallies, problem = np.stack([state.best_tally for state in islands]), self.work.problem
+        return islands[int(np.argmax(problem.fitness.of(tallies, problem.setting.scoring)))]
 
     def _can_step(self, state: IslandState) -> bool:
         generation = state.generation
@@ -301,6 +317,8 @@ class Result:
     status : "finished", "time-limit" or "interrupted"
     reasons : tuple of str
         Why the first work ended before its last generation, where a rule of stopping said so.
+    pieces : tuple of (Piece or None)
+        Of each work what the fittest procedure makes of it, where that is known.
     """
 
     best: tuple[IslandState, ...]
@@ -308,6 +326,7 @@ class Result:
     performed: int
     status: Status
     reasons: tuple[str, ...] = ()
+    pieces: tuple[Piece | None, ...] = ()
 
 
 def evolve_archipelagos(
@@ -329,13 +348,10 @@ def evolve_archipelagos(
         status = "time-limit"
     except KeyboardInterrupt:
         status = "interrupted"
-    best = []
-    for number, archipelago in enumerate(archipelagos):
-        if number in reached:
-            islands = reached[number].islands
-            best.append(islands[int(np.argmax(_fitness(islands, archipelago)))])
-        else:
-            best.append(IslandState.first(number, 0))
+    best = [
+        archipelago.fittest(reached[number]) if number in reached else IslandState.first(number, 0)
+        for number, archipelago in enumerate(archipelagos)
+    ]
     states = [state for milestone in reached.values() for state in milestone.islands]
     return Result(
         tuple(best),
@@ -343,13 +359,5 @@ def evolve_archipelagos(
         sum(state.performed for state in states),
         status,
         reached[0].reasons if 0 in reached else (),
+        tuple(reached[n].piece if n in reached else None for n in range(len(archipelagos))),
     )
-
-
-def _fitness(islands: Sequence[IslandState], archipelago: Archipelago) -> list[float]:
-    """Fitness of the best of each island, by the run's measure where islands have their own."""
-    if all(plan.fitness == OwnFitness() for plan in archipelago.schedule.plans):
-        return [state.best_fitness for state in islands]
-    problem = archipelago.work.problem
-    tallies = np.stack([state.best_tally for state in islands])
-    return list(problem.fitness.of(tallies, problem.setting.scoring))

@@ -18,6 +18,7 @@ from meshops.fitness import INVALID, Fitness
 from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
+from meshops.operations.smooth import Smoothing
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
@@ -145,12 +146,15 @@ class Work:
     is_whole : bool
         Whether it is a mesh as one place, whose operation GAs last long enough to be shared out,
         and not one of many small parts.
+    polish : tuple of str
+        Methods of smoothing that are tried once the fittest procedure is found.
     """
 
     problem: Problem
     mesh: ShellMesh
     least_trias: int = -1
     is_whole: bool = False
+    polish: tuple[Smoothing, ...] = ()
 
     @cached_property
     def root(self) -> Outcome:
@@ -315,6 +319,23 @@ class Evaluator:
             [tuple(trail.steps[: trail.best_steps]) for trail in trails],
             tuple(trail.fault for trail in trails if trail.fault),
         )
+
+    def mesh_after(self, steps: Sequence[Step]) -> Handle | None:
+        """Return what steps of a scored genome lead to; None where that is forgotten already."""
+        mesh, handle = self.root.mesh, self.root_handle
+        attempts: dict[int, int] = {}
+        for step in steps:
+            if step.code == NOTHING:
+                continue
+            known = self._known.get(Task(mesh, step.code, attempts.get(step.code, 0)))
+            if known is None:
+                return None
+            outcome, after = known
+            if outcome.mesh == mesh:
+                attempts[step.code] = attempts.get(step.code, 0) + 1
+            else:
+                mesh, handle, attempts = outcome.mesh, after, {}
+        return handle
 
     def _scores(self, fitness: Fitness, tallies: Floats, used: Ids) -> Floats:
         """(K,) fitness of (K, TALLY_SIZE) tallies after so many operations (K,)."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from islands.archipelago import Archipelago, Executor, Schedule, Status, evolve_archipelagos
+from islands.finishing import Piece, finished
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
 from islands.procedure import Round, perform
@@ -225,9 +226,8 @@ class _Search:
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
         works = [subdomain_work(problem, self.reference, part, state.aim) for part in found]
-        states, status = self._evolve(works)
-        empty = Round(extent, turn, (), state.aim)
-        done, mesh = stitched(before.mesh, empty, found, works, states)
+        states, pieces, status = self._evolve(works)
+        done, mesh = stitched(before.mesh, Round(extent, turn, (), state.aim), found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)
         if state.aim == "faults":
@@ -239,8 +239,8 @@ class _Search:
             self._remember()
         return status
 
-    def _evolve(self, works: list[Work]) -> tuple[list[IslandState], Status]:
-        """Evolve the works batch by batch; fewer states than works where time is up."""
+    def _evolve(self, works: list[Work]) -> tuple[list[IslandState], list[Piece], Status]:
+        """Evolve the works batch by batch; fewer states and pieces than works where time is up."""
         tally = self.workpiece.tally
         # more effort where less of it, or less room, was not enough
         now = self.state
@@ -250,7 +250,7 @@ class _Search:
         generations = min(grown, self.schedule.generations)
         of_each = replace(self.schedule.stopping, evaluations=None, target=None)
         effort = replace(self.schedule, generations=generations, stopping=of_each)
-        states: list[IslandState] = []
+        states, pieces = list[IslandState](), list[Piece]()
         for first in range(0, len(works), BATCH):
             batch = works[first : first + BATCH]
             roots = np.stack([work.root.tally for work in batch])
@@ -273,12 +273,16 @@ class _Search:
                 performed=self.state.performed + result.performed,
             )
             states += result.best
+            pieces += [
+                piece or finished(work, state.best_steps)
+                for work, state, piece in zip(batch, result.best, result.pieces, strict=True)
+            ]
             for state, root in zip(result.best, roots, strict=True):
                 if state.best_steps:
                     tally = tally + state.best_tally - root
             if result.status != "finished":
-                return states, result.status
-        return states, "finished"
+                return states, pieces, result.status
+        return states, pieces, "finished"
 
     def _compare(self, before: Workpiece, problem: Problem, works: int) -> None:
         """Remember the fittest mesh, and choose the extent of the next round."""

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from islands.archipelago import Archipelago, TimeUpError
+from islands.archipelago import Archipelago, Executor, TimeUpError
+from islands.executors.local import LocalExecutor
 from islands.integration_ga import Work
 from islands.run import start_executor
 from meshops.mesh import ShellMesh
@@ -73,3 +74,22 @@ def test_the_time_limit_holds_on_ray(cpus: int, mesh: ShellMesh) -> None:
     done = finish(work, executor=executor)
     assert done.status == "time-limit"
     assert done.mesh.digest == mesh.digest
+
+
+def test_pieces_are_finished_where_they_were_found(cpus: int, mesh: ShellMesh) -> None:
+    work = job(mesh, islands=3)
+    schedule = work.config.schedule
+
+    def pieces(executor: Executor, count: int) -> list[str]:
+        archipelagos = [Archipelago(n, Work(work.problem, mesh), schedule) for n in range(count)]
+        last = [milestone for milestone in executor.evolve(archipelagos) if milestone.is_last]
+        assert len(last) == count
+        return [m.piece.mesh.digest for m in last if m.piece is not None]
+
+    here = pieces(LocalExecutor(), 1)
+    there = start_executor(job(mesh, backend="ray"), float("inf"))
+    try:
+        for count in (1, cpus + 1):  # islands shared out, and whole archipelagos
+            assert pieces(there, count) == here * count
+    finally:
+        there.close()

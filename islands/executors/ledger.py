@@ -25,6 +25,7 @@ from islands.integration_ga import (
 )
 from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import ShellMesh
+from meshops.operations.smooth import Smoothing
 
 TRIES = 4
 """Processes that an operation GA may end before it has no answer."""
@@ -94,6 +95,7 @@ class Parcel:
         Of the mesh.
     least_trias : int
     is_whole : bool
+    polish : tuple of str
         As those of the work.
     """
 
@@ -103,18 +105,19 @@ class Parcel:
     elements: int
     least_trias: int
     is_whole: bool
+    polish: tuple[Smoothing, ...]
 
     @classmethod
     def of(cls, work: Work, batch: int) -> Parcel:
         """Put a work there."""
         problem, mesh = ray.put(work.problem), ray.put(work.mesh)
         elements = len(work.mesh.elements)
-        return cls(batch, problem, mesh, elements, work.least_trias, work.is_whole)
+        return cls(batch, problem, mesh, elements, work.least_trias, work.is_whole, work.polish)
 
     def open(self) -> Work:
         """Take the work out."""
         problem, mesh = ray.get([self.problem, self.mesh])
-        return Work(problem, mesh, self.least_trias, self.is_whole)
+        return Work(problem, mesh, self.least_trias, self.is_whole, self.polish)
 
 
 class _Ledger:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from islands.archipelago import Archipelago, Milestone, TimeUpError, evolve_in_turn
 from islands.executors.pool import PoolRunner
 from islands.executors.watchdog import ending_process_after
+from islands.finishing import finished
 from islands.integration_ga import (
     Evaluator,
     Handle,
@@ -103,7 +104,14 @@ class LocalExecutor:
 
 def evolve_here(archipelago: Archipelago, runner: Runner) -> Iterator[Milestone]:
     """Evolve an archipelago in this process: its islands share what they learn."""
-    scorer, plans = Evaluator.of(archipelago.work, runner), archipelago.schedule.plans
-    return evolve_in_turn(
+    work, plans = archipelago.work, archipelago.schedule.plans
+    scorer = Evaluator.of(work, runner)
+    for milestone in evolve_in_turn(
         archipelago, lambda state, migrants: step(state, migrants, scorer, plans[state.island])
-    )
+    ):
+        if milestone.is_last and not work.is_whole:
+            steps = archipelago.fittest(milestone).best_steps
+            piece = finished(work, steps, scorer.mesh_after(steps))
+            yield replace(milestone, piece=piece)
+        else:
+            yield milestone

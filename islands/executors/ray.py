@@ -12,7 +12,7 @@ import socket
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +26,11 @@ from islands.archipelago import Archipelago, Asked, Milestone, TimeUpError
 from islands.executors.crew import Answer, Crew, Job
 from islands.executors.ledger import CarefulRunner, LedgerRunner, Parcel, start_ledger
 from islands.executors.local import LocalRunner, evolve_here
+from islands.executors.sharing import Sharing
+from islands.finishing import finished
 from islands.integration_ga import Evaluator, Runner, Work, Workbench
 from islands.island import IslandPlan, step
+from islands.procedure import Step
 from meshops.errors import InputError
 
 _KNOCK_SECONDS = 5.0
@@ -75,6 +78,12 @@ class _Host:
         except TimeUpError:
             return Answer(None, is_late=True, memory=_memory())
         return Answer(state, is_late=False, memory=_memory())
+
+    def finish(self, milestone: Milestone, steps: tuple[Step, ...], parcel: Parcel) -> Answer:
+        """Finish the fittest procedure of an archipelago, from memory where it was found here."""
+        scorer = self._scorer(parcel, is_careful=False)
+        piece = finished(parcel.open(), steps, scorer.mesh_after(steps))
+        return Answer(replace(milestone, piece=piece), is_late=False, memory=_memory())
 
     def _scorer(self, parcel: Parcel, *, is_careful: bool) -> Evaluator:
         """Return the evaluator of a work; those of batches before it are forgotten."""
@@ -194,35 +203,19 @@ class RayExecutor:
     ) -> Iterator[Milestone]:
         """Share islands out to hosts; each steps as soon as it may and its host is free."""
         self._batch += 1
-        parcels = [Parcel.of(archipelago.work, self._batch) for archipelago in archipelagos]
-        waiting: list[deque[tuple[Archipelago, Job]]] = [deque() for _ in range(hosts)]
+        sharing = Sharing(archipelagos, self._batch, hosts)
         idle = set(range(hosts))
-
-        def share_out(archipelago: Archipelago) -> None:
-            number, schedule = archipelago.number, archipelago.schedule
-            for asked in archipelago.ready():
-                island = asked[0].island
-                given = {"asked": asked, "plan": schedule.plans[island], "parcel": parcels[number]}
-                job = Job("step", partial(_with_care, given))
-                host = (number * schedule.islands + island) % hosts
-                waiting[host].append((archipelago, job))
-            for host in list(idle):
-                while waiting[host] and waiting[host][0][0].is_over:
-                    waiting[host].popleft()
-                if waiting[host]:
+        while not sharing.is_over:
+            for host in sorted(idle):
+                job = sharing.next_job(host)
+                if job is not None:
                     idle.remove(host)
-                    self._crew.give(host, waiting[host].popleft()[1])
-
-        for archipelago in archipelagos:
-            share_out(archipelago)
-        while not all(archipelago.is_over for archipelago in archipelagos):
+                    self._crew.give(host, job)
             host, answer = self._crew.next()
             if answer.is_late:
                 raise TimeUpError
             idle.add(host)
-            archipelago = archipelagos[answer.value.work]
-            yield from archipelago.take(answer.value)
-            share_out(archipelago)
+            yield from sharing.take(answer.value)
 
 
 def connect(address: str | None, cpus: int | None = None) -> bool:
@@ -262,10 +255,6 @@ def _knock(address: str) -> None:
     host, _, port = address.rpartition("://")[2].rpartition(":")
     if host and port.isdecimal():
         socket.create_connection((host.strip("[]"), int(port)), _KNOCK_SECONDS).close()
-
-
-def _with_care(given: dict[str, Any], is_careful: bool) -> dict[str, Any]:  # noqa: FBT001
-    return {**given, "is_careful": is_careful}
 
 
 def _memory() -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
 
-METHODS = ("laplace", "worst", "even")
+Smoothing = Literal["laplace", "worst", "even"]
+
+METHODS: tuple[Smoothing, ...] = ("laplace", "worst", "even")
 """As the kernel numbers them."""
 
 RINGS = (1, 2, 3, 4)
