@@ -31,7 +31,7 @@ track = "off"
 ELEMENTS = 12_000
 SEEDS = (1, 2, 3, 4, 5)
 LEAST_KILLS = 20
-KILL_SECONDS = 4.0
+KILL_SECONDS = 3.0
 WORKERS = ("ray::_Host", "ray::_run")
 """How the processes that islands and operation GAs run in are named."""
 
