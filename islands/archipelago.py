@@ -122,8 +122,8 @@ class Milestone:
     reasons : tuple of str
         Why it is the last one before the last generation, where a rule of stopping said so.
     piece : Piece or None
-        What the fittest procedure makes of the mesh, where it is the last one and its executor has
-        found that out.
+        What becomes of the mesh, polished, where it is the last one of a part of a mesh and its
+        executor has found that out.
     """
 
     work: int
@@ -293,7 +293,9 @@ class Executor(Protocol):
     def evolve(self, archipelagos: Sequence[Archipelago]) -> Iterator[Milestone]:
         """Take all steps of all archipelagos, which are numbered by their place in the list.
 
-        Milestones of one archipelago come in order. Raises TimeUpError where the run's time is up.
+        Milestones of one archipelago come in order, the last one with its piece unless the work is
+        a whole mesh. Raises TimeUpError where the run's time is up; last milestones that were
+        reached by then come before, if need be without their pieces.
         """
 
     def close(self) -> None:
@@ -318,7 +320,7 @@ class Result:
     reasons : tuple of str
         Why the first work ended before its last generation, where a rule of stopping said so.
     pieces : tuple of (Piece or None)
-        Of each work what the fittest procedure makes of it, where that is known.
+        What becomes of the mesh of each work, polished, where that is known.
     """
 
     best: tuple[IslandState, ...]

@@ -16,18 +16,18 @@ from meshops.operations.smooth import METHODS, Smooth, Smoothing
 from meshops.subdomain import Aim
 from meshops.workpiece import Workpiece
 
-RINGS = 40
+POLISH_RINGS = 40
 """Of smoothing around the worst element: far enough for a subdomain of usual size."""
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """What became of the mesh of a work.
+    """What becomes of the mesh of a work by its fittest procedure, polished.
 
     Attributes
     ----------
     steps : tuple of Step
-        That lead to it; none: the mesh is as it was.
+        That lead to it, the polish among them; none: the mesh is as it was.
     mesh : ShellMesh
     """
 
@@ -37,7 +37,7 @@ class Piece:
 
 def polish_for(aim: Aim, operations: Sequence[Operation]) -> tuple[Smoothing, ...]:
     """Return the smoothings that are tried last; none where smoothing is not asked for."""
-    if not any(isinstance(operation, Smooth) for operation in operations):
+    if not any(operation.code == Smooth.code for operation in operations):
         return ()
     return ("even",) if aim == "faults" else ("laplace", "even")
 
@@ -58,7 +58,7 @@ def finished(work: Work, steps: tuple[Step, ...], mesh: ShellMesh | None = None)
     setting = replace(problem.setting, fitness=replace(problem.fitness, kind="quality"))
     smooth = Smooth()
     for method in work.polish:
-        parameters = np.array([[1, RINGS, METHODS.index(method)]], np.int32)
+        parameters = np.array([[1, POLISH_RINGS, METHODS.index(method)]], np.int32)
         workpiece = Workpiece(mesh, setting, problem.reference)
         edit = smooth.apply(workpiece, parameters)
         after = workpiece.tally + workpiece.tally_change(edit)

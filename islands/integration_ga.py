@@ -321,14 +321,14 @@ class Evaluator:
         )
 
     def mesh_after(self, steps: Sequence[Step]) -> Handle | None:
-        """Return what steps of a scored genome lead to; None where that is forgotten already."""
+        """Return what steps of a scored genome lead to; None where that is not remembered."""
         mesh, handle = self.root.mesh, self.root_handle
         attempts: dict[int, int] = {}
         for step in steps:
             if step.code == NOTHING:
                 continue
             known = self._known.get(Task(mesh, step.code, attempts.get(step.code, 0)))
-            if known is None:
+            if known is None or known[0].fault:
                 return None
             outcome, after = known
             if outcome.mesh == mesh:

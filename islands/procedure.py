@@ -40,6 +40,10 @@ class Step:
     code: int
     parameters: Ints
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Own the array: a step is kept for long, and not all of the message that it came with."""
+        self.__dict__.update(state, parameters=state["parameters"].copy())
+
 
 @dataclass(frozen=True, eq=False)
 class Place:

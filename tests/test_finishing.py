@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from islands import finishing
 from islands.archipelago import Archipelago, Milestone
 from islands.executors.local import LocalExecutor, LocalRunner
 from islands.finishing import Piece, finished, polish_for
@@ -36,15 +37,22 @@ def performed(work: Work, piece: Piece) -> ShellMesh:
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(seed=st.integers(0, 10**6), improving=st.booleans())
+@given(
+    seed=st.integers(0, 10**6),
+    improving=st.booleans(),
+    drifts=st.booleans(),
+    is_paper=st.booleans(),
+)
 def test_what_is_remembered_of_a_procedure_is_what_performing_it_makes(
-    seed: int,
-    improving: bool,  # noqa: FBT001
+    seed: int, *, improving: bool, drifts: bool, is_paper: bool
 ) -> None:
     mesh = bad_plate()
-    work = Work(replace(problem_of(mesh), improving=improving, seed=seed), mesh)
+    problem = replace(problem_of(mesh), improving=improving, drifts=drifts, seed=seed)
+    if not is_paper:  # among the others are those that remember their edits
+        problem = replace(problem, operations=job(mesh).problem.operations)
+    work = Work(problem, mesh)
     scorer = scorer_of(work)
-    genomes = work.problem.draw(np.random.default_rng(seed), 4, 5)
+    genomes = problem.draw(np.random.default_rng(seed), 4, 5)
     for steps in scorer.evaluate(genomes).steps:
         found = scorer.mesh_after(steps)
         assert found is not None
@@ -101,3 +109,16 @@ def test_the_last_milestone_alone_has_the_piece(mesh: ShellMesh) -> None:
     assert last.piece.steps[: len(archipelago.fittest(last).best_steps)] == (
         archipelago.fittest(last).best_steps
     )
+
+
+def test_where_islands_run_nothing_is_performed_again(
+    mesh: ShellMesh, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: object) -> ShellMesh:
+        raise AssertionError("performed again")
+
+    monkeypatch.setattr(finishing, "perform_steps", never)
+    archipelago = Archipelago(0, Work(problem_of(mesh), mesh), job(mesh).config.schedule)
+    *_, last = LocalExecutor().evolve([archipelago])
+    assert last.piece is not None
+    assert last.piece.mesh.digest != mesh.digest

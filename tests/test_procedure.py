@@ -1,6 +1,7 @@
-"""Procedures as files: each mistake is one sentence that names the file."""
+"""Procedures as files, each mistake one sentence that names the file; steps as messages."""
 
 import json
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -81,3 +82,12 @@ def test_a_step_that_does_not_fit_is_named() -> None:
     steps = (Step(2, np.zeros((0, 2), np.int32)), Step(0, np.array([(1, 9999)], np.int32)))
     with pytest.raises(InputError, match=r"Step 2 \(remesh-ranges\) does not fit"):
         perform_steps(mesh, steps, ALL_OPERATIONS, setting_of(mesh))
+
+
+def test_a_step_does_not_hold_the_message_that_it_came_with() -> None:
+    step = Step(1, np.arange(6, dtype=np.int32).reshape(3, 2))
+    buffers: list[pickle.PickleBuffer] = []
+    message = pickle.dumps(step, protocol=5, buffer_callback=buffers.append)
+    came = pickle.loads(message, buffers=buffers)
+    assert (came.parameters == step.parameters).all()
+    assert not np.shares_memory(came.parameters, step.parameters)

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from islands.archipelago import Archipelago, Executor, TimeUpError
+from islands.archipelago import Archipelago, Executor, Mode, TimeUpError
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Work
 from islands.run import start_executor
@@ -52,10 +52,11 @@ def test_one_procedure_for_the_whole_mesh(
     assert there.performed == here.performed < here.evaluations
 
 
+@pytest.mark.parametrize("mode", ["synchronous", "overlapped"])
 @pytest.mark.parametrize("islands", [2, 3])
-def test_rounds_over_all_bad_places(cpus: int, mesh: ShellMesh, islands: int) -> None:
+def test_rounds_over_all_bad_places(cpus: int, mesh: ShellMesh, islands: int, mode: Mode) -> None:
     here = finish(job(mesh, islands=islands))
-    there = finish(job(mesh, islands=islands, backend="ray"))
+    there = finish(job(mesh, islands=islands, mode=mode, backend="ray"))
     assert there.mesh.digest == here.mesh.digest
     assert there.text == here.text
     assert there.procedure.result == here.procedure.result

@@ -12,7 +12,6 @@ import socket
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -79,11 +78,13 @@ class _Host:
             return Answer(None, is_late=True, memory=_memory())
         return Answer(state, is_late=False, memory=_memory())
 
-    def finish(self, milestone: Milestone, steps: tuple[Step, ...], parcel: Parcel) -> Answer:
-        """Finish the fittest procedure of an archipelago, from memory where it was found here."""
-        scorer = self._scorer(parcel, is_careful=False)
-        piece = finished(parcel.open(), steps, scorer.mesh_after(steps))
-        return Answer(replace(milestone, piece=piece), is_late=False, memory=_memory())
+    def finish(self, number: int, steps: tuple[Step, ...], parcel: Parcel) -> Answer:
+        """Make the piece of a work, from memory where its procedure was found here."""
+        keys = [(parcel.batch, parcel.mesh.hex(), is_careful) for is_careful in (False, True)]
+        known = [self._scorers[key].mesh_after(steps) for key in keys if key in self._scorers]
+        mesh = next((mesh for mesh in known if mesh is not None), None)
+        value = number, finished(parcel.open(), steps, mesh)
+        return Answer(value, is_late=False, memory=_memory())
 
     def _scorer(self, parcel: Parcel, *, is_careful: bool) -> Evaluator:
         """Return the evaluator of a work; those of batches before it are forgotten."""
@@ -205,17 +206,21 @@ class RayExecutor:
         self._batch += 1
         sharing = Sharing(archipelagos, self._batch, hosts)
         idle = set(range(hosts))
-        while not sharing.is_over:
-            for host in sorted(idle):
-                job = sharing.next_job(host)
-                if job is not None:
-                    idle.remove(host)
-                    self._crew.give(host, job)
-            host, answer = self._crew.next()
-            if answer.is_late:
-                raise TimeUpError
-            idle.add(host)
-            yield from sharing.take(answer.value)
+        try:
+            while not sharing.is_over:
+                for host in sorted(idle):
+                    job = sharing.next_job(host)
+                    if job is not None:
+                        idle.remove(host)
+                        self._crew.give(host, job)
+                host, answer = self._crew.next()
+                if answer.is_late:
+                    raise TimeUpError
+                idle.add(host)
+                yield from sharing.take(answer.value)
+        except (TimeUpError, KeyboardInterrupt):
+            yield from sharing.without_pieces()
+            raise
 
 
 def connect(address: str | None, cpus: int | None = None) -> bool:

@@ -1,19 +1,22 @@
 """Sharing: which job each host has next where the islands of archipelagos are shared out.
 
 What is promised: an island is always with the same host, which remembers what it has learned; each
-steps as soon as it may and its host is free.
+steps as soon as it may and its host is free. An archipelago that is over is finished by the host
+that knows what its fittest procedure leads to, as soon as that has taken the step that it is at.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from islands.archipelago import Archipelago, Milestone
 from islands.executors.crew import Job
 from islands.executors.ledger import Parcel
+from islands.finishing import Piece
 from islands.island import IslandState
 
 
@@ -32,14 +35,15 @@ class Sharing:
         self._archipelagos = archipelagos
         self._parcels = [Parcel.of(archipelago.work, batch) for archipelago in archipelagos]
         self._waiting: list[deque[tuple[int, Job]]] = [deque() for _ in range(hosts)]
-        self._left = {archipelago.number for archipelago in archipelagos if not archipelago.is_over}
+        self._unfinished = {a.number for a in archipelagos if not a.is_over}
+        self._finishing: dict[int, Milestone] = {}
         for archipelago in archipelagos:
             self._queue_steps(archipelago)
 
     @property
     def is_over(self) -> bool:
-        """Whether all last milestones are reached."""
-        return not self._left
+        """Whether all last milestones were given out."""
+        return not self._unfinished
 
     def next_job(self, host: int) -> Job | None:
         """Take the next job of a host from its queue, if there is any."""
@@ -50,22 +54,30 @@ class Sharing:
                 return job
         return None
 
-    def take(self, value: IslandState | Milestone) -> Iterator[Milestone]:
-        """Take what a host has made, an island after its step or a finished milestone."""
-        if isinstance(value, Milestone):
-            yield self._passed(value)
+    def take(self, value: IslandState | tuple[int, Piece]) -> Iterator[Milestone]:
+        """Take what a host has made: an island after its step, or the piece of a work."""
+        if not isinstance(value, IslandState):
+            number, piece = value
+            yield self._given_out(replace(self._finishing.pop(number), piece=piece))
             return
         archipelago = self._archipelagos[value.work]
         for milestone in archipelago.take(value):
             if milestone.is_last and not archipelago.work.is_whole:
+                self._finishing[milestone.work] = milestone
                 self._queue_finish(milestone)
             else:
-                yield self._passed(milestone)
+                yield self._given_out(milestone)
         self._queue_steps(archipelago)
 
-    def _passed(self, milestone: Milestone) -> Milestone:
+    def without_pieces(self) -> Iterator[Milestone]:
+        """Give out the last milestones whose pieces are not known yet, where time is up."""
+        while self._finishing:
+            _, milestone = self._finishing.popitem()
+            yield self._given_out(milestone)
+
+    def _given_out(self, milestone: Milestone) -> Milestone:
         if milestone.is_last:
-            self._left.discard(milestone.work)
+            self._unfinished.discard(milestone.work)
         return milestone
 
     def _queue_steps(self, archipelago: Archipelago) -> None:
@@ -76,12 +88,10 @@ class Sharing:
             self._waiting[self._host_of(asked[0])].append((archipelago.number, job))
 
     def _queue_finish(self, milestone: Milestone) -> None:
-        """Let the host finish the fittest procedure that knows what it leads to."""
-        fittest = self._archipelagos[milestone.work].fittest(milestone)
-        parcel = self._parcels[milestone.work]
-        given = {"milestone": milestone, "steps": fittest.best_steps, "parcel": parcel}
-        job = Job("finish", lambda _: given)
-        self._waiting[self._host_of(fittest)].appendleft((milestone.work, job))
+        number = milestone.work
+        fittest = self._archipelagos[number].fittest(milestone)
+        given = {"number": number, "steps": fittest.best_steps, "parcel": self._parcels[number]}
+        self._waiting[self._host_of(fittest)].appendleft((number, Job("finish", lambda _: given)))
 
     def _host_of(self, state: IslandState) -> int:
         islands = self._archipelagos[state.work].schedule.islands

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from meshops.workpiece import Workpiece
 
 Smoothing = Literal["laplace", "worst", "even"]
 
-METHODS: tuple[Smoothing, ...] = ("laplace", "worst", "even")
+METHODS: tuple[Smoothing, ...] = get_args(Smoothing)
 """As the kernel numbers them."""
 
 RINGS = (1, 2, 3, 4)
