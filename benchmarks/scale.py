@@ -25,7 +25,7 @@ from islands.run import Job, run
 from meshops.examples import SIZE, plate
 from meshops.mesh import Floats
 
-PLATES = {0: (1, 2, 3, 4, 5), 12_000: (1, 2)}
+PLATES = {0: (1, 2, 3, 4, 5), 12_000: (1,)}
 """Elements of the plate, tiled to so many (0: as it is), and the seeds."""
 
 FASTER = 1.8
