@@ -67,13 +67,14 @@ def answers(port: int, seconds: float = 90.0) -> bool:
 @pytest.fixture(scope="module")
 def head() -> Iterator[str]:
     """The address of the dashboard of a head node that was started for these tests."""
-    port, dashboard, client = free_port(), free_port(), free_port()
+    port, dashboard, client, agent = (free_port() for _ in range(4))
     with tempfile.TemporaryDirectory(prefix="r") as short:
         process = subprocess.Popen(
             [
                 str(BIN / "ray"), "start", "--head", "--block", f"--port={port}",
                 "--dashboard-host=127.0.0.1", f"--dashboard-port={dashboard}",
-                f"--ray-client-server-port={client}", "--num-cpus=2", f"--temp-dir={short}",
+                f"--ray-client-server-port={client}", f"--dashboard-agent-listen-port={agent}",
+                "--num-cpus=2", f"--temp-dir={short}",
             ],
             env={**os.environ, **QUIET, "PATH": f"{BIN}:{os.environ['PATH']}"},
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
