@@ -18,6 +18,7 @@ class Goal:
     """Stands for a work that is solved once an island has scored so many generations."""
 
     solved_at: float = np.inf
+    is_whole: bool = False
 
     def is_solved(self, tally: np.ndarray) -> bool:
         return bool(tally[0] >= self.solved_at)

@@ -19,12 +19,6 @@ from tests.scripted import Goal, archipelago, sail, same, schedule, scripted_ste
 MESH = bad_plate()
 
 
-class Works(Goal):
-    """A work that is solved once an island has scored so many generations."""
-
-    is_whole = False
-
-
 @pytest.fixture(autouse=True)
 def _no_store(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sharing.Parcel, "of", lambda work, batch: (work, batch))
@@ -60,7 +54,7 @@ def shared_out(
 def start(count: int, islands: int, mode: Mode, solved_at: float, evaluations: int | None) -> Any:
     plan = schedule(islands, 4, delay=1, mode=mode, stopping=Stopping(evaluations=evaluations))
     # one in two is solved, at any time
-    return [archipelago(plan, Works(solved_at if n % 2 else np.inf), n) for n in range(count)]
+    return [archipelago(plan, Goal(solved_at if n % 2 else np.inf), n) for n in range(count)]
 
 
 ARCHIPELAGOS: dict[str, Any] = {
@@ -106,5 +100,5 @@ def test_where_time_is_up_nothing_is_lost_that_was_reached(
 
 def test_what_is_over_already_is_not_waited_for() -> None:
     plan = schedule(2, 3)
-    *_, last = sail(archipelago(plan, Works()), np.random.default_rng(0)).milestones
-    assert Sharing([Archipelago(0, Works(), plan, last)], 0, 2).is_over  # type: ignore[arg-type]
+    *_, last = sail(archipelago(plan, Goal()), np.random.default_rng(0)).milestones
+    assert Sharing([Archipelago(0, Goal(), plan, last)], 0, 2).is_over  # type: ignore[arg-type]

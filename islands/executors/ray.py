@@ -80,9 +80,11 @@ class _Host:
 
     def finish(self, number: int, steps: tuple[Step, ...], parcel: Parcel) -> Answer:
         """Make the piece of a work, from memory where its procedure was found here."""
-        keys = [(parcel.batch, parcel.mesh.hex(), is_careful) for is_careful in (False, True)]
-        known = [self._scorers[key].mesh_after(steps) for key in keys if key in self._scorers]
-        mesh = next((mesh for mesh in known if mesh is not None), None)
+        scorers = [
+            s for k, s in self._scorers.items() if k[:2] == (parcel.batch, parcel.mesh.hex())
+        ]
+        known = [mesh for s in scorers if (mesh := s.mesh_after(steps)) is not None]
+        mesh = known[0] if known else None
         value = number, finished(parcel.open(), steps, mesh)
         return Answer(value, is_late=False, memory=_memory())
 
