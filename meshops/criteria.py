@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,12 +42,23 @@ LENGTHS = ("min size", "max length", "chordal dev")
 FALLING = ("min size", "min angle quad", "min angle tria", "Jacobian")
 """The criteria whose levels fall from ideal to worst."""
 
+SIZES = ("min size", "max length", "aspect ratio")
+"""The criteria of size; all others but the share of trias are of shape.
+
+An element that fails by its size alone is sound, and would pass in a mesh of another density.
+"""
+
+SHAPES = tuple(name for name in NAMES if name not in (*SIZES, "% of trias"))
+"""The criteria of shape: what they measure is the same however large an element is, but for the
+chordal deviation, which says how well it follows the surface."""
+
 LEVELS = ("ideal", "good", "warn", "fail", "worst")
 
 PENALTIES = (0.0, 0.0, 0.8, 1.0, 10.0)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 Levels = tuple[float, float, float, float, float]
+Family = Literal["shape", "size"]
 ScoringArrays = tuple[Floats, Floats, Bools, Floats, bool]
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from meshops.criteria import Scoring
+from meshops.criteria import NAMES, SIZES, Scoring
 from meshops.errors import InputError
 from meshops.kernels import quality as kernel
 from meshops.kernels import surface
@@ -23,7 +24,7 @@ def element_values(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | Non
     values = np.empty((len(mesh.elements), kernel.CRITERIA))
     kernel.measure_elements(mesh.points, mesh.elements, scoring.criteria.normalised_size, values)
     if reference is not None:
-        values[:, CHORDAL_DEV] = _chordal_deviation(mesh, reference)
+        values[:, CHORDAL_DEV] = chordal_deviation(mesh, reference)
     return values
 
 
@@ -52,6 +53,18 @@ def failing_penalties(penalties: Floats, scoring: Scoring) -> Bools:
     """Which of some penalties lie beyond that of the fail level; NaN does not."""
     failing: Bools = penalties > scoring.penalties[3] + kernel.SLACK
     return failing
+
+
+def failed_by_family(penalties: Floats, scoring: Scoring) -> tuple[Bools, Bools]:
+    """(M,) bool each: elements that fail a criterion of shape, and those that fail by size alone.
+
+    By their (M, 12) penalties.
+    """
+    failing = failing_penalties(penalties, scoring)
+    by_size = np.isin(NAMES[: kernel.CRITERIA], SIZES)
+    shape: Bools = np.any(failing[:, ~by_size], axis=1)
+    size: Bools = np.any(failing[:, by_size], axis=1) & ~shape
+    return shape, size
 
 
 def index_of_penalties(penalties: Floats, scoring: Scoring) -> Floats:
@@ -94,17 +107,54 @@ def _edges(elements: Ints) -> tuple[Ints, Ints]:
     return edges, edge_of_side.reshape(len(elements), 4).astype(np.int32)
 
 
-def _chordal_deviation(mesh: ShellMesh, reference: ShellMesh) -> Floats:
-    """(M,) largest distance from an edge mid-point of the element to the reference surface."""
+def chordal_deviation(mesh: ShellMesh, reference: ShellMesh) -> Floats:
+    """(M,) largest distance from an edge mid-point of the element to the reference surface.
+
+    An edge that the reference has too lies on it: where a mesh came of the reference, only what
+    changed costs time. Raises InputError where the reference has no element.
+    """
     trias = _trias(reference)
     if not len(trias):
         raise InputError("the reference surface has no element: chordal deviation needs one")
     edges, edge_of_side = _edges(mesh.elements)
-    middles = mesh.points[edges].mean(axis=1)
-    spheres = surface.bounding_spheres(reference.points, trias)
-    _, distances, _ = surface.nearest(middles, reference.points, trias, spheres)
-    deviation: Floats = distances[edge_of_side].max(axis=1)
+    others = np.flatnonzero(~_known_edges(mesh, edges, reference))
+    distances = np.zeros(len(edges))
+    distances[others] = _distances(mesh.points[edges[others]].mean(axis=1), reference, trias)
+    deviation: Floats = distances[edge_of_side].max(axis=1, initial=0.0)
     return deviation
+
+
+def _known_edges(mesh: ShellMesh, edges: Ints, reference: ShellMesh) -> Bools:
+    """(E,) bool: edges between two places between which the reference has an edge."""
+    both = np.concatenate([reference.points, mesh.points])
+    order = np.lexsort(both.T)
+    is_other = np.ones(len(both), bool)
+    is_other[1:] = (both[order[1:]] != both[order[:-1]]).any(axis=1)
+    place = np.empty(len(both), np.int64)
+    place[order] = np.cumsum(is_other)
+    own = np.sort(place[len(reference.points) :][edges], axis=1)
+    known = np.sort(place[: len(reference.points)][_edges(reference.elements)[0]], axis=1)
+    base = len(both) + 1
+    found: Bools = np.isin(own @ [base, 1], known @ [base, 1])
+    return found
+
+
+def _distances(queries: Floats, reference: ShellMesh, trias: Ints) -> Floats:
+    """(Q,) distances from places (Q, 3) to a surface."""
+    found = np.zeros(len(queries))
+    if not len(queries):
+        return found
+    spheres = surface.bounding_spheres(reference.points, trias)
+    tree = cKDTree(spheres[:, :3])
+    # a tria that is nearer than the nearest centre has its own centre within its radius of that
+    bounds = tree.query(queries)[0] + spheres[:, 3].max()
+    for row, near in enumerate(tree.query_ball_point(queries, bounds * (1.0 + 1e-9))):
+        rows = np.sort(near)
+        _, distance, _ = surface.nearest(
+            queries[row : row + 1], reference.points, trias[rows], spheres[rows]
+        )
+        found[row] = distance[0]
+    return found
 
 
 def _trias(mesh: ShellMesh) -> Ints:

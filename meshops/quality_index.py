@@ -10,10 +10,22 @@ import numpy as np
 from meshops.criteria import LENGTHS, NAMES, Scoring
 from meshops.kernels import quality as kernel
 from meshops.mesh import NEW, Floats, ShellMesh
-from meshops.quality import element_values, failing_penalties, index_of_penalties
+from meshops.quality import (
+    element_values,
+    failed_by_family,
+    failing_penalties,
+    index_of_penalties,
+)
 
 SHOWN = 3
 """How many of the worst elements a row names."""
+
+WIDTH = 80
+"""Columns of the table: what a terminal has at the least."""
+
+HEAD = ("#", "Criterion", "Fails at", "% failed", "Worst", "Q.I.")
+LEFT = (0, 1)
+"""Columns that stand on the left."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +78,8 @@ class QualityIndex:
     mean_element_qi : float
         Mean Q.I. of an element, which compares across meshes; 0 for no element.
     elements, quads, trias, failed : int
+    failed_by_shape, failed_by_size : int
+        Failed elements that fail a criterion of shape, and those that fail by their size alone.
     percent_trias : float
     """
 
@@ -78,27 +92,35 @@ class QualityIndex:
     quads: int
     trias: int
     failed: int
+    failed_by_shape: int
+    failed_by_size: int
     percent_trias: float
 
     def table(self) -> str:
-        """Return the report as text, in the layout of the paper's Figure 5."""
-        head = ["#", "Criterion", "Failure criteria", "% failed", "Worst", "Q.I."]
-        head += [f"Worst elemId{i}" for i in range(1, SHOWN + 1)]
-        cells = [head, *(self._cells(row) for row in self.rows)]
+        """Return the report as text, as the paper's Figure 5 has it, 80 columns wide.
+
+        The line after the heading is that of the first row.
+        """
+        cells = [[*HEAD], *(self._cells(row) for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
         lines = [
             "  ".join(
-                cell.ljust(width) if place < 2 else cell.rjust(width)
+                cell.ljust(width) if place in LEFT else cell.rjust(width)
                 for place, (cell, width) in enumerate(zip(line, widths, strict=True))
             )
             for line in cells
         ]
+        room = WIDTH - sum(widths) - 2 * len(widths)
+        ids = ["Worst elements", *(_fitting(row.worst_elements, room) for row in self.rows)]
+        lines = [f"{line}  {worst}" for line, worst in zip(lines, ids, strict=True)]
         closing = {
             "compound Q.I. =": f"{self.compound_qi:.2f}",
             "# of quads =": str(self.quads),
             "# of trias =": str(self.trias),
             "% trias =": f"{self.percent_trias:.2f}",
             "# of failed =": str(self.failed),
+            "  by shape =": str(self.failed_by_shape),
+            "  by size alone =": str(self.failed_by_size),
             "mean element Q.I. =": f"{self.mean_element_qi:.2f}",
         }
         edge = sum(widths[:3]) + 4
@@ -114,6 +136,8 @@ class QualityIndex:
             "quads": self.quads,
             "trias": self.trias,
             "failed": self.failed,
+            "failed_by_shape": self.failed_by_shape,
+            "failed_by_size": self.failed_by_size,
             "percent_trias": self.percent_trias,
             "compound_qi": self.compound_qi,
             "mean_element_qi": self.mean_element_qi,
@@ -126,7 +150,7 @@ class QualityIndex:
         # lengths keep three significant digits of the target size, however small the unit
         decimals = max(2, 2 - math.floor(math.log10(self.size))) if row.name in LENGTHS else 2
         numbers = [
-            "" if value is None else f"{value:.{places}f}"
+            "" if value is None else _figure(value, places)
             for value, places in (
                 (row.failure, decimals),
                 (row.percent_failed, 2),
@@ -134,8 +158,7 @@ class QualityIndex:
                 (row.index, 2),
             )
         ]
-        ids = [*row.worst_elements, *[""] * (SHOWN - len(row.worst_elements))]
-        return [str(row.number), row.name, *numbers, *ids]
+        return [str(row.number), row.name, *numbers]
 
 
 def quality_index(
@@ -146,7 +169,11 @@ def quality_index(
     Chordal deviation is looked at where a reference surface is given and the criterion is active.
     """
     scoring = replace(scoring, with_reference=reference is not None)
-    values = element_values(mesh, scoring, reference)
+    return index_of_values(mesh, element_values(mesh, scoring, reference), scoring)
+
+
+def index_of_values(mesh: ShellMesh, values: Floats, scoring: Scoring) -> QualityIndex:
+    """Report on a mesh by the (M, 12) measures of its elements."""
     penalties = kernel.penalise(values, *scoring.arrays)
     tally = kernel.tally_values(values, mesh.is_tria, *scoring.arrays)
     rows = [
@@ -154,6 +181,7 @@ def quality_index(
         for c in range(kernel.CRITERIA)
     ]
     element_qi = index_of_penalties(penalties, scoring)
+    by_shape, by_size = failed_by_family(penalties, scoring)
     return QualityIndex(
         criteria=scoring.criteria.name,
         size=scoring.size,
@@ -164,6 +192,8 @@ def quality_index(
         quads=int(tally[kernel.QUADS]),
         trias=int(tally[kernel.TRIAS]),
         failed=int(tally[kernel.FAILED]),
+        failed_by_shape=int(np.count_nonzero(by_shape)),
+        failed_by_size=int(np.count_nonzero(by_size)),
         percent_trias=float(kernel.percent_trias(tally)),
     )
 
@@ -201,6 +231,22 @@ def _blank_row(scoring: Scoring, c: int) -> CriterionRow:
     return CriterionRow(
         c + 1, NAMES[c], active=bool(scoring.active[c]), failure=float(scoring.levels[c, 3])
     )
+
+
+def _figure(value: float, decimals: int) -> str:
+    """Write a number; a very large one by its first digits."""
+    return f"{value:.{decimals}f}" if not 1e7 <= abs(value) < math.inf else f"{value:.3e}"
+
+
+def _fitting(ids: tuple[str, ...], room: int) -> str:
+    """As many of the ids as there is room for, but one at the least."""
+    text = ""
+    for label in ids:
+        longer = f"{text}  {label}" if text else label
+        if text and len(longer) > room:
+            break
+        text = longer
+    return text
 
 
 def _label(mesh: ShellMesh, element: int) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from meshops.errors import InputError
-from meshops.mesh import Floats, ShellMesh
+from meshops.mesh import NO_NODE, Floats, ShellMesh
 from meshops.topology import topology
 
 LOCAL = "local"
@@ -138,6 +138,37 @@ class SizeSamples:
     def __getstate__(self) -> dict[str, object]:
         """Only the samples travel; the tree is made again where it is needed."""
         return {"places": self.places, "sizes": self.sizes}
+
+
+def size_factors(mesh: ShellMesh, sizes: SizeField, size: float) -> Floats:
+    """(M,) what brings each element from the size that is wanted in its place to `size`."""
+    factors: Floats = size / sizes.at(_corners(mesh).mean(axis=1))
+    return factors
+
+
+def at_even_size(mesh: ShellMesh, sizes: SizeField, size: float) -> ShellMesh:
+    """Bring each element to the one size that lengths are judged by, apart from the others.
+
+    An element that is as large as the size field wants it there becomes as large as `size`; its
+    angles stay.
+    """
+    corners = _corners(mesh)
+    factors = size_factors(mesh, sizes, size)
+    elements = np.arange(4 * len(corners), dtype=np.int32).reshape(-1, 4)
+    elements[mesh.is_tria, 3] = NO_NODE
+    return ShellMesh.build(
+        (corners * factors[:, None, None]).reshape(-1, 3),
+        elements,
+        region=mesh.region,
+        element_ids=mesh.element_ids,
+    )
+
+
+def _corners(mesh: ShellMesh) -> Floats:
+    """(M, 4, 3) corners; a tria's last one twice."""
+    corners: Floats = mesh.points[mesh.elements]
+    corners[mesh.is_tria, 3] = corners[mesh.is_tria, 2]
+    return corners
 
 
 def parse_size(text: str, mesh: ShellMesh) -> SizeField:

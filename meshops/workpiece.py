@@ -23,7 +23,7 @@ from meshops.kernels.regularity import irregular_change, irregular_nodes
 from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import element_values, failing_penalties, index_of_penalties
-from meshops.sizing import SizeField
+from meshops.sizing import SizeField, at_even_size
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology
 
@@ -66,17 +66,7 @@ class Setting:
         """
         if self.sizes is None:
             return mesh
-        corners = mesh.points[mesh.elements]
-        corners[mesh.is_tria, 3] = corners[mesh.is_tria, 2]
-        factors = self.scoring.size / self.sizes.at(corners.mean(axis=1))
-        elements = np.arange(4 * len(corners), dtype=np.int32).reshape(-1, 4)
-        elements[mesh.is_tria, 3] = NO_NODE
-        return ShellMesh.build(
-            (corners * factors[:, None, None]).reshape(-1, 3),
-            elements,
-            region=mesh.region,
-            element_ids=mesh.element_ids,
-        )
+        return at_even_size(mesh, self.sizes, self.scoring.size)
 
 
 @dataclass(frozen=True, eq=False)
