@@ -9,3 +9,7 @@ class InputError(Exception):
     The sentence says what is wrong, where (file, line, element id) and what to do. The command line
     prints it without a traceback and exits with 2.
     """
+
+
+class HarmError(Exception):
+    """A result that is not what it should be and was therefore not written, in one sentence."""

@@ -13,7 +13,7 @@ from meshops.errors import InputError
 from meshops.formats.fresh import write_mesh
 from meshops.formats.locks import Lock
 from meshops.formats.suffixes import ABAQUS, KNOWN, NASTRAN, check_suffix, check_writable_suffix
-from meshops.mesh import ShellMesh
+from meshops.mesh import Bools, ShellMesh
 
 __all__ = ["KNOWN", "Deck", "Lock", "check_writable_suffix", "read_deck", "write_mesh"]
 
@@ -33,10 +33,27 @@ class Deck(Protocol):
     def notes(self) -> tuple[str, ...]:
         """What a reader of the file should know besides, a sentence each."""
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files that it was read from, the one that was named first."""
+
+    def check_room(self) -> None:
+        """Raise InputError where there are not enough ids left for what a run may make anew."""
+
+    def select(self, text: str) -> Bools:
+        """Return which elements a user names, (M,) bool: a property, a set, a region or ids.
+
+        Raises InputError where that is nothing of the mesh.
+        """
+
+    def numbered(self, mesh: ShellMesh) -> ShellMesh:
+        """Give a mesh that descends from ``self.mesh`` the ids that ``write`` gives it."""
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the file with ``mesh``, which descends from ``self.mesh``, in their place.
 
-        A suffix of another format makes a whole new file by ``write_mesh``.
+        A suffix of another format makes a whole new file by ``write_mesh``. Returns the files that
+        were written, ``path`` first.
         """
 
 

@@ -40,10 +40,11 @@ from meshops.formats.abaqus_items import (
 from meshops.formats.abaqus_sets import ElementLists
 from meshops.formats.checks import checked_mesh
 from meshops.formats.coordinates import BASIC
-from meshops.formats.difference import Difference, compare
+from meshops.formats.difference import Difference, compare, numbered
 from meshops.formats.fresh import write_mesh
-from meshops.formats.ids import IdSet
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock
+from meshops.formats.selection import select
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
 from meshops.formats.suffixes import ABAQUS
@@ -90,7 +91,33 @@ class AbaqusDeck:
     locks: tuple[Lock, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the deck."""
+        return tuple(file.path for file in self.sources.files)
+
+    def check_room(self) -> None:
+        """Raise InputError where there are not enough ids left for what a run may make anew."""
+        check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID)
+        check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID)
+
+    def select(self, text: str) -> Bools:
+        """Return which elements a user names, (M,) bool: an ELSET or ids.
+
+        Raises InputError where that is nothing of the mesh.
+        """
+        sets = [region.sets for region in self._regions]
+        named = {
+            name.upper(): np.isin(self.mesh.region, [r for r, s in enumerate(sets) if name in s])
+            for name in {name for names in sets for name in names if name}
+        }
+        return select(self.mesh, text, named)
+
+    def numbered(self, mesh: ShellMesh) -> ShellMesh:
+        """Give a mesh that descends from ``self.mesh`` the ids that ``write`` gives it."""
+        return numbered(mesh, self._change(mesh))
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the deck with ``mesh`` in the place of its shells; see ``NastranDeck.write``.
 
         Raises
@@ -102,14 +129,8 @@ class AbaqusDeck:
         """
         if path.suffix.lower() not in ABAQUS:
             write_mesh(mesh, path)
-            return
-        change = compare(
-            self.mesh,
-            mesh,
-            taken_nodes=self._taken_nodes,
-            taken_elements=self._taken_elements,
-            limit=LARGEST_ID,
-        )
+            return (path,)
+        change = self._change(mesh)
         splice = Splice(self.sources)
         self._write_nodes(splice, mesh, change)
         self._write_shells(splice, mesh, change)
@@ -118,7 +139,16 @@ class AbaqusDeck:
             for name in self._regions[mesh.region[row]].lists:
                 joining[name].append(int(change.element_ids[row]))
         self._lists.write(splice, gone=change.gone_elements.tolist(), joining=joining)
-        splice.write(path, include_lines)
+        return splice.write(path, include_lines)
+
+    def _change(self, mesh: ShellMesh) -> Difference:
+        return compare(
+            self.mesh,
+            mesh,
+            taken_nodes=self._taken_nodes,
+            taken_elements=self._taken_elements,
+            limit=LARGEST_ID,
+        )
 
     def _write_nodes(self, splice: Splice, mesh: ShellMesh, change: Difference) -> None:
         gone = set(change.gone_nodes.tolist())

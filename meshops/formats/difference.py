@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,6 +73,11 @@ def compare(
         gone_nodes=np.setdiff1d(vanishing, after.node_ids),
         gone_elements=np.setdiff1d(before.element_ids, after.element_ids),
     )
+
+
+def numbered(mesh: ShellMesh, change: Difference) -> ShellMesh:
+    """Give the edited mesh the ids that its nodes and elements have in the deck that is written."""
+    return replace(mesh, node_ids=change.node_ids, element_ids=change.element_ids)
 
 
 def deck_corners(mesh: ShellMesh, node_ids: Ids) -> Ids:

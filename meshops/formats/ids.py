@@ -94,6 +94,14 @@ def with_new_ids(ids: Ids, taken: IdSet, limit: int) -> Ids:
     return numbered
 
 
+def check_room(ids: Ids, taken: IdSet, limit: int) -> None:
+    """Raise InputError where less ids are free than ``ids`` (N,) has: all of them may be replaced.
+
+    To be called before a search, which would be in vain.
+    """
+    with_new_ids(np.concatenate([ids, np.full(len(ids), NEW, np.int64)]), taken, limit)
+
+
 def _lowest_free(ids: Ids, taken: IdSet, count: int, limit: int) -> list[int]:
     singles = taken.singles | set(ids.tolist())
     ranges = sorted((first, last) for first, last, _ in taken.ranges)

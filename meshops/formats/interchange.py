@@ -6,7 +6,7 @@ These files hold a mesh and little else: they are written anew, not spliced.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +19,13 @@ from meshops.formats.interchange_output import (
     REGION_NAMES,
     failing_as,
     meshio_format,
+    written_order,
 )
 from meshops.formats.locks import Lock
 from meshops.formats.output import refuse_to_overwrite
+from meshops.formats.selection import by_label, select
 from meshops.formats.sources import read_bytes
-from meshops.mesh import Floats, Ids, Ints, ShellMesh
+from meshops.mesh import Bools, Floats, Ids, Ints, ShellMesh
 
 
 @dataclass(frozen=True)
@@ -35,10 +37,33 @@ class InterchangeFile:
     locks: tuple[Lock, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The one file."""
+        return (self.source,)
+
+    def check_room(self) -> None:
+        """Do nothing: places in the file are the ids."""
+
+    def select(self, text: str) -> Bools:
+        """Return which elements a user names, (M,) bool: `REGION n` or ids.
+
+        Raises InputError where that is nothing of the mesh.
+        """
+        labels = [f"REGION {region}" for region in self.mesh.region.tolist()]
+        return select(self.mesh, text, by_label(labels))
+
+    def numbered(self, mesh: ShellMesh) -> ShellMesh:
+        """Give a mesh the ids with which it is read again: places in the file."""
+        element_ids = np.empty(len(mesh.elements), np.int64)
+        element_ids[written_order(mesh, self.source.suffix)] = np.arange(1, len(element_ids) + 1)
+        return replace(mesh, node_ids=np.arange(1, len(mesh.points) + 1), element_ids=element_ids)
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write ``mesh`` as a whole new file; raises InputError where ``path`` is the source."""
         refuse_to_overwrite(path, [self.source])
         fresh.write_mesh(mesh, path)
+        return (path,)
 
 
 def read_interchange(path: Path) -> InterchangeFile:

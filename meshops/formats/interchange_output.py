@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshops.errors import InputError
 from meshops.formats import polygons
 from meshops.formats.output import write_whole
-from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 
 NODES = {"quad": 4, "triangle": 3}
 """Nodes of the cells that are shells, by meshio's name for them."""
@@ -46,8 +46,8 @@ def write_interchange(
         cells = [("triangle", _split_quads(mesh))]
         _write_meshio(path, "stl", mesh.points, cells, {})
         return
-    rows = [np.flatnonzero(~mesh.is_tria), np.flatnonzero(mesh.is_tria)]
-    kinds = [("quad", rows[0]), ("triangle", rows[1])]
+    order, quads = written_order(mesh, suffix), np.count_nonzero(~mesh.is_tria)
+    kinds = [("quad", order[:quads]), ("triangle", order[quads:])]
     present = [(kind, some) for kind, some in kinds if len(some)]
     cells = [(kind, mesh.elements[some, : NODES[kind]]) for kind, some in present]
     names = REGION_NAMES[1:] if suffix == ".vtu" else ("gmsh:physical", "gmsh:geometrical")
@@ -56,6 +56,16 @@ def write_interchange(
         values |= {name: np.asarray(value) for name, value in (cell_data or {}).items()}
     by_kind = {name: [value[some] for _, some in present] for name, value in values.items()}
     _write_meshio(path, meshio_format(suffix), mesh.points, cells, by_kind)
+
+
+def written_order(mesh: ShellMesh, suffix: str) -> Ids:
+    """(M,) int64 rows of the elements in the order in which a file of the suffix has them.
+
+    An .stl file has two trias for each quad, in the order of the elements.
+    """
+    if suffix.lower() in (".vtu", ".msh"):
+        return np.concatenate([np.flatnonzero(~mesh.is_tria), np.flatnonzero(mesh.is_tria)])
+    return np.arange(len(mesh.elements))
 
 
 def meshio_format(suffix: str) -> str:

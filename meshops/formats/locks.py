@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 Kind = Literal["nodes", "elements"]
@@ -24,12 +24,15 @@ class Lock:
         What locks them, in the words of the deck: 'CD on GRID', 'PLOAD1', 'NSET SET-1'.
     forbids : str
         What cannot be done to them: 'they neither move nor vanish'.
+    ids : tuple of int
+        Their ids in the deck, where they are known one by one.
     """
 
     kind: Kind
     count: int
     cards: str
     forbids: str
+    ids: tuple[int, ...] = field(default=(), repr=False)
 
     @property
     def sentence(self) -> str:

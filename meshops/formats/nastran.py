@@ -18,9 +18,9 @@ import numpy as np
 
 from meshops.formats import nastran_sections as sections
 from meshops.formats.checks import checked_mesh
-from meshops.formats.difference import compare
+from meshops.formats.difference import Difference, compare, numbered
 from meshops.formats.fresh import write_mesh
-from meshops.formats.ids import IdSet
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock
 from meshops.formats.nastran_cards import Card
 from meshops.formats.nastran_contents import Contents, sort_cards
@@ -29,6 +29,7 @@ from meshops.formats.nastran_output import Update
 from meshops.formats.nastran_regions import find_regions
 from meshops.formats.nastran_shells import CORNERS, Attributes
 from meshops.formats.nastran_systems import integer_at
+from meshops.formats.selection import by_label, select
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
 from meshops.formats.suffixes import NASTRAN
@@ -58,7 +59,32 @@ class NastranDeck:
     locks: tuple[Lock, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The files of the deck."""
+        return tuple(file.path for file in self.sources.files)
+
+    def check_room(self) -> None:
+        """Raise InputError where there are not enough ids left for what a run may make anew."""
+        check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID)
+        check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID)
+
+    def select(self, text: str) -> Bools:
+        """Return which elements a user names, (M,) bool: `PID n`, `SET n` or ids.
+
+        Raises InputError where that is nothing of the mesh.
+        """
+        names = [f"PID {self.regions[region].pid}" for region in self.mesh.region]
+        named = by_label(names)
+        for number, ids in sections.case_sets(self.sources).items():
+            named[f"SET {number}"] = ids.mask(self.mesh.element_ids)
+        return select(self.mesh, text, named)
+
+    def numbered(self, mesh: ShellMesh) -> ShellMesh:
+        """Give a mesh that descends from ``self.mesh`` the ids that ``write`` gives it."""
+        return numbered(mesh, self._change(mesh))
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the deck with ``mesh`` in the place of its shells.
 
         Lines of nodes that did not move and of shells that keep their nodes in their places stay
@@ -72,6 +98,11 @@ class NastranDeck:
         path
             Where to write; none of the deck's own files.
 
+        Returns
+        -------
+        tuple of Path
+            The files that were written, ``path`` first.
+
         Raises
         ------
         InputError
@@ -81,19 +112,29 @@ class NastranDeck:
         """
         if path.suffix.lower() not in NASTRAN:
             write_mesh(mesh, path)
-            return
-        contents = self._contents
-        change = compare(
-            self.mesh,
-            mesh,
-            taken_nodes=_union(contents.taken, contents.references.nodes),
-            taken_elements=_union(contents.taken, contents.references.elements),
-            limit=LARGEST_ID,
-        )
+            return (path,)
+        change = self._change(mesh)
         angles = self.directions.changed_angles(mesh, change)
         splice = Splice(self.sources)
-        Update(mesh, change, self.regions, angles).splice(splice, contents)
-        splice.write(path, sections.include_lines)
+        Update(mesh, change, self.regions, angles).splice(splice, self._contents)
+        return splice.write(path, sections.include_lines)
+
+    def _change(self, mesh: ShellMesh) -> Difference:
+        return compare(
+            self.mesh,
+            mesh,
+            taken_nodes=self._taken_nodes,
+            taken_elements=self._taken_elements,
+            limit=LARGEST_ID,
+        )
+
+    @property
+    def _taken_nodes(self) -> IdSet:
+        return _union(self._contents.taken, self._contents.references.nodes)
+
+    @property
+    def _taken_elements(self) -> IdSet:
+        return _union(self._contents.taken, self._contents.references.elements)
 
 
 def read_nastran(path: Path) -> NastranDeck:

@@ -94,6 +94,18 @@ def output_nodes(lines: Sequence[str]) -> IdSet:
     return nodes
 
 
+def case_sets(sources: Sources) -> dict[int, IdSet]:
+    """Return the SETs of the case control by number; those of several subcases as one."""
+    case, bulk = bulk_start(sources)
+    sets: dict[int, IdSet] = {}
+    for statement in _statements(sources.stream[case:bulk]):
+        definition = _SET.match(statement)
+        if definition:
+            words = re.split(r"[\s,]+", definition[2])
+            sets.setdefault(int(definition[1]), IdSet()).read(words)
+    return sets
+
+
 def _statements(lines: Sequence[str]) -> Iterator[str]:
     pending = ""
     for line in lines:

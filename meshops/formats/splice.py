@@ -46,13 +46,15 @@ class Splice:
         if rows:
             self._inserted[file][line] = self._inserted[file].get(line, "") + rows
 
-    def write(self, path: Path, include_lines: IncludeLines) -> None:
+    def write(self, path: Path, include_lines: IncludeLines) -> tuple[Path, ...]:
         """Write the deck to ``path`` and, beside it, the included files that it needs.
 
         An included file with a relative path inside the deck's folder keeps that path in the folder
         of ``path``. Any other is left where it is, or written beside ``path`` where it changes; its
         include statement is then made again by ``include_lines``. No file of the source deck and
         no file of other content is overwritten, except ``path``.
+
+        Returns the files that were written, ``path`` first.
 
         Raises
         ------
@@ -69,6 +71,7 @@ class Splice:
             if place != self._sources.files[number].path
         }
         write_files(contents)
+        return tuple(contents)
 
     def _is_changed(self, number: int) -> bool:
         return bool(self._replaced[number] or self._inserted[number])

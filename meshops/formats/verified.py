@@ -1,0 +1,150 @@
+"""Writing a deck that was read again from its bytes and found to be what it should be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from meshops.errors import HarmError, InputError
+from meshops.formats import Deck, read_deck
+from meshops.formats.difference import deck_corners
+from meshops.formats.output import refuse_to_overwrite
+from meshops.mesh import NO_NODE, Ids, Ints, ShellMesh
+from meshops.quality import median_edge
+
+Verify = Callable[[ShellMesh, ShellMesh], tuple[str, ...]]
+"""Compares the mesh of a deck, and that of the written one read again: a sentence a fault."""
+
+ROUNDING = 1e-6
+"""Of an edge: how far a node may stand from its place because a file has so many digits."""
+
+SHOWN = 3
+
+
+def nothing_else(before: ShellMesh, after: ShellMesh) -> tuple[str, ...]:
+    """Verify nothing."""
+    return ()
+
+
+def write_verified(
+    deck: Deck, mesh: ShellMesh, path: Path, verify: Verify = nothing_else
+) -> tuple[Path, ...]:
+    """Write a deck beside ``path``, read it again, and give it its name if it is the model.
+
+    Every other way to the same bytes would trust the writer; this one trusts but the reader.
+
+    Parameters
+    ----------
+    deck : Deck
+    mesh : ShellMesh
+        Descends from the deck's.
+    path : Path
+    verify : callable
+        What else must hold of the mesh of the deck and of that which was read again.
+
+    Returns
+    -------
+    tuple of Path
+        The files that were written, ``path`` first.
+
+    Raises
+    ------
+    HarmError
+        Where the written deck cannot be read, is another mesh or does not pass ``verify``. Nothing
+        is left of it.
+    InputError
+        Where it cannot be written.
+    """
+    refuse_to_overwrite(path, list(deck.files))
+    staged = path.with_name(f"{path.stem}-checked{path.suffix}")
+    if staged.exists():
+        staged = path.with_name(f"{path.stem}-checked-{mesh.digest}{path.suffix}")
+    files = deck.write(mesh, staged)
+    try:
+        faults = _faults(deck, mesh, staged, verify)
+        if faults:
+            more = f"; and {len(faults) - SHOWN} more" if len(faults) > SHOWN else ""
+            raise HarmError(
+                f"{path} is not written: read again, it is not what it should be: "
+                f"{'; '.join(faults[:SHOWN])}{more}."
+            )
+        staged.replace(path)
+    except BaseException:
+        for file in files:
+            file.unlink(missing_ok=True)
+        raise
+    return (path, *files[1:])
+
+
+def _faults(deck: Deck, mesh: ShellMesh, written: Path, verify: Verify) -> tuple[str, ...]:
+    try:
+        again = read_deck(written).mesh
+    except InputError as error:
+        return (f"it cannot be read ({str(error).rstrip('.')})",)
+    if written.suffix.lower() != deck.files[0].suffix.lower() or written.suffix.lower() == ".stl":
+        return ()  # a file of another format has ids of its own, and of triangles none
+    found = differences(deck.numbered(mesh), again)
+    return found or verify(deck.mesh, again)
+
+
+def differences(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
+    """Say in what a mesh that was read again differs from its model, by their deck ids.
+
+    Nodes that no element uses are left aside, and so are the names of regions: elements are in
+    one region here that are in one region there.
+    """
+    found = [
+        *_other_ids("node", model.node_ids[_used(model)], again.node_ids[_used(again)]),
+        *_other_ids("element", model.element_ids, again.element_ids),
+    ]
+    if found:
+        return tuple(found)
+    rows, places = _sorted(again.element_ids), _sorted(model.element_ids)
+    corners = deck_corners(again, again.node_ids)[rows]
+    other = (corners != deck_corners(model, model.node_ids)[places]).any(axis=1)
+    if other.any():
+        ids = again.element_ids[rows][other]
+        return (f"{_named('element', ids)} on other nodes than in the model",)
+    found += _moved_nodes(model, again)
+    return tuple(found + _mixed_regions(model.region[places], again, rows))
+
+
+def _moved_nodes(model: ShellMesh, again: ShellMesh) -> list[str]:
+    here, there = _used(model), _used(again)
+    here = here[_sorted(model.node_ids[here])]
+    there = there[_sorted(again.node_ids[there])]
+    distance = np.linalg.norm(model.points[here] - again.points[there], axis=1)
+    moved = ~(distance <= ROUNDING * median_edge(model))
+    return [f"{_named('node', model.node_ids[here][moved])} elsewhere"] if moved.any() else []
+
+
+def _mixed_regions(region: Ints, again: ShellMesh, rows: Ids) -> list[str]:
+    """Elements of several regions of the model that are in one region of what was read."""
+    pairs = np.unique(np.stack([again.region[rows], region]), axis=1)
+    labels, counts = np.unique(pairs[0], return_counts=True)
+    mixed = np.isin(again.region[rows], labels[counts > 1])
+    ids = again.element_ids[rows][mixed]
+    return [f"{_named('element', ids)} of several properties in one"] if len(ids) else []
+
+
+def _other_ids(noun: str, model: Ids, again: Ids) -> list[str]:
+    missing, new = np.setdiff1d(model, again), np.setdiff1d(again, model)
+    found = [f"{_named(noun, missing)} missing"] if len(missing) else []
+    return found + ([f"{_named(noun, new)} unknown to the model"] if len(new) else [])
+
+
+def _named(noun: str, ids: Ids) -> str:
+    shown = ", ".join(map(str, ids[:SHOWN])) + ", ..." * (len(ids) > SHOWN)
+    return f"{noun} {shown} is" if len(ids) == 1 else f"{len(ids)} {noun}s ({shown}) are"
+
+
+def _used(mesh: ShellMesh) -> Ids:
+    used: Ids = np.unique(mesh.elements[mesh.elements != NO_NODE]).astype(np.int64)
+    return used
+
+
+def _sorted(ids: Ids) -> Ids:
+    order: Ids = np.argsort(ids, kind="stable")
+    return order
