@@ -26,7 +26,7 @@ from benchmarks.peers import CONFIGURATIONS, Configuration, gmsh_polygon, gmsh_s
 from benchmarks.planar import FLOW, planar
 from benchmarks.report import Row, parser, publish
 from benchmarks.search import search
-from islands.cli import FLOW_OF_NEW_MESHES
+from islands.cli.make import FLOW_OF_NEW_MESHES
 from islands.run import Finished
 from meshops.criteria_files import load_criteria
 from meshops.examples import SIZE, plate

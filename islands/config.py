@@ -16,9 +16,11 @@ from islands.migration import GivingWay, Leaving, Migration
 from islands.search import Plan
 from islands.stopping import Stopping
 from islands.topology import Link, Topology, TopologyKind
+from meshops.criteria import BUILT_IN
 from meshops.errors import InputError
 from meshops.fitness import IRREGULARITY, PRICE, FitnessKind
 from meshops.operations import OPERATIONS, PAPER_OPERATIONS, Operation
+from meshops.sizing import LOCAL
 from meshops.subdomain import Extent
 
 PROFILES: Mapping[str, Mapping[str, Any]] = {
@@ -62,6 +64,9 @@ evaluations come near could make a difference."""
 
 FILES = {"criteria", "size", "warm_start"}
 """Settings that may name a file, which may have moved: what is in it counts."""
+
+FILE_KEYS = ("criteria", "size", "warm-start")
+"""The keys of these in a TOML file, where a path is looked for beside that file first."""
 
 _MODEL = ConfigDict(
     frozen=True,
@@ -113,6 +118,8 @@ class Config(BaseModel):
     price: float = Field(PRICE, ge=0)
     criteria: str = "standard"
     size: Annotated[float, Field(gt=0)] | str | None = None
+    judged_size: float | None = Field(None, gt=0)
+    only: str | None = Field(None, min_length=1)
     feature_angle: float = Field(30.0, gt=0, le=180)
     slide: bool = True
     islands: int = Field(2, ge=1)
@@ -258,14 +265,18 @@ class Config(BaseModel):
         size = {"size"} if self.size_field and Path(self.size_field).is_file() else set()
         return self.model_dump(mode="json", exclude={*FREE, "criteria", "warm_start", *size})
 
-    def to_toml(self) -> str:
-        """All settings as a file that loads back equal, paths from the root."""
+    def to_toml(self, **instead: str) -> str:
+        """All settings as a file that loads back equal, paths from the root.
+
+        `instead` are texts that take the place of single settings.
+        """
         import tomli_w
 
         values = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        for key in ("criteria", "size", "warm-start"):
-            if isinstance(values.get(key), str) and Path(values[key]).exists():
+        for key in FILE_KEYS:
+            if _names_a_file(values.get(key)):
                 values[key] = str(Path(values[key]).resolve())
+        values |= instead
         return tomli_w.dumps({key: value for key, value in values.items() if value != []})
 
     def flat(self) -> dict[str, str | int | float | bool]:
@@ -329,9 +340,20 @@ def load_config(file: Path | None, given: Mapping[str, Any]) -> Config:
     return config
 
 
+def _names_a_file(value: object, folder: Path = Path()) -> bool:
+    """Whether a setting names a file or folder that is there, and not what is built in."""
+    if not isinstance(value, str) or value in (*BUILT_IN, LOCAL):
+        return False
+    return (folder / value).exists()
+
+
 def _read(file: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
+        found = tomllib.loads(file.read_text(encoding="utf-8"))
+        for key in FILE_KEYS:
+            if _names_a_file(found.get(key), file.parent):
+                found[key] = str(file.parent / found[key])
+        return found
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

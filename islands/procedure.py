@@ -106,6 +106,8 @@ class Procedure:
         The setting under which its operations ran.
     seed : int
         Seed of the run that found it.
+    only : str or None
+        What of the deck was to be repaired, in the user's words; None: all of it.
     """
 
     rounds: tuple[Round, ...]
@@ -119,6 +121,7 @@ class Procedure:
     feature_angle: float
     slides: bool
     seed: int
+    only: str | None = None
 
     def setting(self, mesh: ShellMesh, size: float | None = None) -> Setting:
         """Return the setting under which it is performed on a mesh.
@@ -164,6 +167,7 @@ class Procedure:
             "feature_angle": self.feature_angle,
             "slides": self.slides,
             "seed": self.seed,
+            "only": self.only,
             "rounds": [round_document(done, operations) for done in self.rounds],
         }
         return json.dumps(document) + "\n"
@@ -196,6 +200,7 @@ class Procedure:
                 feature_angle=float(document["feature_angle"]),
                 slides=bool(document["slides"]),
                 seed=int(document["seed"]),
+                only=document.get("only"),
             )
         except (ValueError, KeyError, TypeError) as error:
             raise InputError(

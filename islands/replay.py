@@ -6,12 +6,14 @@ from pathlib import Path
 
 from islands.procedure import Procedure, perform
 from islands.transfer import transfer
+from meshops.assessment import Assessment
 from meshops.errors import InputError
 from meshops.formats import Deck, read_deck
+from meshops.formats.selection import locked_but
+from meshops.formats.verified import write_verified
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
-from meshops.quality_index import quality_index
 from meshops.workpiece import Setting
 
 
@@ -26,17 +28,20 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
     """
     procedure = read_procedure(procedure_file)
     deck = read_deck(source)
-    if deck.mesh.digest != procedure.mesh:
-        return _transfer(procedure, procedure_file, deck, source, out)
-    setting = procedure.setting(deck.mesh)
-    mesh = perform(deck.mesh, procedure.rounds, ALL_OPERATIONS, setting)
+    start = deck.mesh
+    if procedure.only is not None:
+        start = locked_but(start, deck.select(procedure.only))
+    if start.digest != procedure.mesh:
+        return _transfer(procedure, procedure_file, deck, start, source, out)
+    setting = procedure.setting(start)
+    mesh = perform(start, procedure.rounds, ALL_OPERATIONS, setting)
     if mesh.digest != procedure.result:
         raise InputError(
             f"The replay made another mesh than the run that found {procedure_file} "
             f"(digest {mesh.digest}, not {procedure.result}); use the versions of meshipelago and "
             "pymeshlab that the run used."
         )
-    deck.write(mesh, out)
+    write_verified(deck, mesh, out)
     return f"{out}: the mesh of the run, bit for bit (digest {mesh.digest})."
 
 
@@ -50,22 +55,27 @@ def read_procedure(file: Path) -> Procedure:
 
 
 def _transfer(
-    procedure: Procedure, procedure_file: Path, deck: Deck, source: Path, out: Path
+    procedure: Procedure,
+    procedure_file: Path,
+    deck: Deck,
+    start: ShellMesh,
+    source: Path,
+    out: Path,
 ) -> str:
-    setting = procedure.setting(deck.mesh, procedure.element_size or median_edge(deck.mesh))
+    setting = procedure.setting(start, procedure.element_size or median_edge(start))
     try:
-        mesh, _ = transfer(procedure, deck.mesh, ALL_OPERATIONS, setting)
+        mesh, _ = transfer(procedure, start, ALL_OPERATIONS, setting)
     except InputError as error:
         raise InputError(
             f"{procedure_file} was found on another mesh than {source}: {error}"
         ) from None
-    deck.write(mesh, out)
+    write_verified(deck, mesh, out)
     return (
         f"{out}: {procedure_file} was found on another mesh; on this one it brought, without any "
-        f"search, {_faults(deck.mesh, setting)} -> {_faults(mesh, setting)}."
+        f"search, {_faults(start, setting)} -> {_faults(mesh, setting)}."
     )
 
 
 def _faults(mesh: ShellMesh, setting: Setting) -> str:
-    report = quality_index(setting.at_even_size(mesh), setting.scoring)
+    report = Assessment(setting.scoring, setting.sizes).quality(mesh)
     return f"{report.failed} failed elements and {report.trias} trias"

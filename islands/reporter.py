@@ -93,13 +93,16 @@ class Reporter:
             next((m for m in reached if m.generation == self._reported), reached[-1])
             for reached in self._reached
         ]
-        for island in range(len(now[0].islands)):
-            self._report_island([milestone.islands[island] for milestone in now])
+        islands = [[milestone.islands[i] for milestone in now] for i in range(len(now[0].islands))]
+        asked = self._evaluations + sum(s.evaluations for states in islands for s in states)
+        scored = self._performed + sum(s.performed for states in islands for s in states)
+        for states in islands:
+            self._report_island(states, asked, scored)
         for milestone in now:
             if milestone.generation == self._reported:
                 self._report_events(milestone)
 
-    def _report_island(self, states: list[IslandState]) -> None:
+    def _report_island(self, states: list[IslandState], asked: int, scored: int) -> None:
         """Report a generation of one island; individuals without a valid mesh count as 0.
 
         An individual of the whole is made of the works' individuals of the same rank.
@@ -121,8 +124,8 @@ class Reporter:
                 trias=int(best[TRIAS]),
                 failed=int(best[FAILED]),
                 compound_qi=float(compound_index(best, *self._setting.scoring.arrays)),
-                evaluations=self._evaluations + sum(state.evaluations for state in states),
-                performed=self._performed + sum(state.performed for state in states),
+                evaluations=asked,
+                performed=scored,
                 seconds=time.monotonic() - self._started,
                 procedure=self._procedure(states),
             )

@@ -8,15 +8,21 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from islands.folder import RESULT
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
+from meshops.failures import TRIED, csv_text, failures
 from meshops.formats import Deck, write_mesh
+from meshops.formats.verified import write_verified
+from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.pictures import draw
-from meshops.quality import element_index
 from tracking.journal import HISTORY
 
-RESULT = "result.json"
+FAILED = "failed.csv"
+
+CUT_SHORT = "tried in vain, or not reached before the run was cut short"
+"""Why an element stays that nothing holds, where a run has not come to its end."""
 
 
 def prepare_folder(folder: Path, source: Path, *, overwrite: bool) -> None:
@@ -44,26 +50,51 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
 
     Returns the files, the ones for the dashboard.
     """
-    scoring = job.problem.setting.scoring
-    deck.write(done.mesh, folder / source.name)
+    assessment = job.assessment
+    write_verified(deck, done.mesh, folder / source.name)
+    before, after = job.mesh, deck.numbered(done.mesh)
     write_mesh(
-        done.mesh,
+        after,
         folder / "mesh.vtu",
-        cell_data={"element Q.I.": element_index(done.mesh, scoring)},
+        cell_data={
+            "element Q.I.": assessment.element_index(after),
+            "element id": after.element_ids,
+        },
+    )
+    failed = failures(
+        after,
+        assessment,
+        locks=job.locks,
+        feature_angle=job.config.feature_angle,
+        otherwise=TRIED if done.status == "finished" else CUT_SHORT,
     )
     texts = {
         "procedure.json": done.procedure.to_json(ALL_OPERATIONS),
         "procedure.txt": done.text + "\n",
-        "quality_before.txt": done.before.table() + "\n",
-        "quality_after.txt": done.after.table() + "\n",
+        "quality_before.txt": _report_text(job, before),
+        "quality_after.txt": _report_text(job, after),
+        FAILED: csv_text(failed),
         RESULT: json.dumps(result_document(job, done), indent=1) + "\n",
     }
-    draw(job.mesh, scoring, folder / "before.png", title=f"{job.name} before")
-    draw(done.mesh, scoring, folder / "after.png", title=f"{job.name} after")
+    draw(before, assessment, folder / "before.png", title=f"{job.name} before")
+    draw(after, assessment, folder / "after.png", title=f"{job.name} after")
     for name, text in texts.items():  # the last one says that all are there
         write_text(folder / name, text)
     others = ("before.png", "after.png", HISTORY)  # the journal makes the history when it closes
     return [folder / name for name in (*texts, *others)]
+
+
+def closing_words(done: Finished) -> str:
+    """Say what a run has brought, in one sentence."""
+    before, after = done.before, done.after
+    return (
+        f"{before.failed} failed elements -> {after.failed} "
+        f"(by shape {before.failed_by_shape} -> {after.failed_by_shape}, "
+        f"by size alone {before.failed_by_size} -> {after.failed_by_size}), "
+        f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
+        f"{after.compound_qi:.2f}, {done.irregular_before} irregular nodes -> "
+        f"{done.irregular_after}; {done.seconds:.1f} s."
+    )
 
 
 def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
@@ -72,16 +103,22 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
         "seed": job.config.seed,
         "backend": job.config.backend,
         "status": done.status,
+        "judged_by": job.assessment.document(),
         "seconds": round(done.seconds, 3),
         "evaluations": done.evaluations,
         "performed": done.performed,
         "before": asdict(summary(done.before)),
         "after": asdict(summary(done.after)),
         "irregular_nodes": {"before": done.irregular_before, "after": done.irregular_after},
+        "worse": list(done.worse),
         "fitness": done.fitness,
         "procedure": done.text,
         "digest": done.mesh.digest,
     }
+
+
+def _report_text(job: Job, mesh: ShellMesh) -> str:
+    return f"{job.assessment.text()}\n\n{job.quality(mesh).table()}\n"
 
 
 def write_text(path: Path, text: str) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from islands.archipelago import Executor, Milestone, Status
+from islands.assessing import assessment_of
 from islands.config import Config
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
@@ -22,17 +23,17 @@ from islands.rounds import evolve_rounds
 from islands.search import Evolution, SearchState, State, Watchers
 from islands.transfer import transfer
 from islands.whole import evolve_alone, evolve_whole
+from meshops.assessment import Assessment
 from meshops.criteria import Criteria
 from meshops.criteria_files import dump_criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
+from meshops.formats.locks import Lock
 from meshops.kernels.quality import IRREGULAR
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
-from meshops.quality import median_edge
-from meshops.quality_index import QualityIndex, quality_index
+from meshops.quality_index import QualityIndex
 from meshops.reference import Reference
-from meshops.sizing import parse_size
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tracking.events import Event, MeshSummary, RunFinished, RunStarted
@@ -49,19 +50,36 @@ class Job:
     mesh : ShellMesh
     config : Config
     problem : Problem
+    assessment : Assessment
+        What its mesh and all that comes of it are judged by.
     known : Procedure or None
         What to begin from.
+    locks : tuple of Lock
+        What of the mesh is locked, by which cards, and what that forbids.
+    told : tuple of str
+        What the user should know of the mesh before it runs.
     """
 
     name: str
     mesh: ShellMesh
     config: Config
     problem: Problem
+    assessment: Assessment
     known: Procedure | None = None
+    locks: tuple[Lock, ...] = ()
+    told: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, name: str, mesh: ShellMesh, criteria: Criteria, config: Config) -> Job:
-        """Set the problem.
+    def of(
+        cls,
+        name: str,
+        mesh: ShellMesh,
+        criteria: Criteria,
+        config: Config,
+        locks: tuple[Lock, ...] = (),
+        told: tuple[str, ...] = (),
+    ) -> Job:
+        """Set the problem; `told` is what the user should know of the mesh before it runs.
 
         Raises InputError where the mesh is locked throughout, or a file that the config names is
         not what it should be.
@@ -71,12 +89,15 @@ class Job:
                 f"{name}: all {len(mesh.elements)} elements are locked, since other cards refer to "
                 "them; there is nothing that may be changed."
             )
+        assessment = assessment_of(
+            mesh, criteria, config.size, judged_size=config.judged_size, reference=mesh
+        )
         setting = Setting(
-            scoring=criteria.at(config.element_size or median_edge(mesh)),
+            scoring=assessment.scoring,
             fitness=Fitness(config.fitness, len(mesh.elements), config.irregularity, config.price),
             element_size=config.element_size,
             feature_angle=config.feature_angle,
-            sizes=parse_size(config.size_field, mesh) if config.size_field else None,
+            sizes=assessment.sizes,
             slides=config.slide,
         )
         problem = Problem(
@@ -89,7 +110,7 @@ class Job:
         known = None
         if config.warm_start:
             known = read_procedure(Path(config.warm_start) / "procedure.json")
-        return cls(name, mesh, config, problem, known)
+        return cls(name, mesh, config, problem, assessment, known, locks, told)
 
     @property
     def key(self) -> str:
@@ -106,8 +127,7 @@ class Job:
 
     def quality(self, mesh: ShellMesh) -> QualityIndex:
         """Return the QualityIndex of a mesh under the job's criteria."""
-        setting = self.problem.setting
-        return quality_index(setting.at_even_size(mesh), setting.scoring)
+        return self.assessment.quality(mesh)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,6 +161,19 @@ class Finished:
     after: QualityIndex
     irregular_before: int
     irregular_after: int
+
+    @property
+    def worse(self) -> tuple[str, ...]:
+        """In what the mesh is worse than it was, a phrase each; empty where in nothing."""
+        before, after = self.before, self.after
+        figures = {
+            "elements that fail by shape": (before.failed_by_shape, after.failed_by_shape),
+            "elements that fail by size alone": (before.failed_by_size, after.failed_by_size),
+            "trias": (before.trias, after.trias),
+            "compound Q.I.": (round(before.compound_qi, 2), round(after.compound_qi, 2)),
+            "irregular nodes": (self.irregular_before, self.irregular_after),
+        }
+        return tuple(f"{name} {old} -> {new}" for name, (old, new) in figures.items() if new > old)
 
 
 _REASONS = {
@@ -213,8 +246,13 @@ def run(
             seed=config.seed,
             backend=config.backend,
             islands=config.islands,
-            settings=config.flat() | {"size": config.size or job.problem.setting.scoring.size},
+            settings=config.flat() | _judged_by(job),
             before=summary(before),
+            told=(
+                f"judged by {job.assessment.text()}",
+                f"fails at {job.assessment.limits_text()}",
+                *job.told,
+            ),
         )
     )
     evolution = _evolve(job, executor, Watchers(record, keep, is_enough, started), state)
@@ -230,9 +268,20 @@ def run(
             performed=finished.performed,
             procedure=finished.text,
             digest=finished.mesh.digest,
+            worse=finished.worse,
         )
     )
     return finished
+
+
+def _judged_by(job: Job) -> dict[str, str | float]:
+    """Size, gradation and whole levels, for the record."""
+    return {
+        "size": job.config.size or job.assessment.scoring.size,
+        "judged-size": job.assessment.scoring.size,
+        "gradation": job.assessment.gradation,
+        "levels": dump_criteria(job.assessment.criteria),
+    }
 
 
 def summary(quality: QualityIndex) -> MeshSummary:
@@ -242,6 +291,8 @@ def summary(quality: QualityIndex) -> MeshSummary:
         quads=quality.quads,
         trias=quality.trias,
         failed=quality.failed,
+        failed_by_shape=quality.failed_by_shape,
+        failed_by_size=quality.failed_by_size,
         compound_qi=quality.compound_qi,
     )
 
@@ -280,6 +331,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         feature_angle=setting.feature_angle,
         slides=setting.slides,
         seed=problem.seed,
+        only=job.config.only,
     )
     tally = Workpiece(mesh, setting).tally
     return Finished(

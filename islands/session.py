@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import json
 import time
+import tomllib
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
@@ -17,19 +18,24 @@ from pathlib import Path
 from typing import Any
 
 from islands.checkpoint import CHECKPOINT, Checkpoints, latest_state
+from islands.chronicle import Chronicle
 from islands.config import Config, load_config
+from islands.folder import CONFIG, CRITERIA, RESULT, RUN, SIZES, about_run, status_of
 from islands.interruption import Interruption
-from islands.results import RESULT, prepare_folder, write_results, write_text
+from islands.results import prepare_folder, write_results, write_text
 from islands.run import Finished, Job, run, start_executor
 from islands.search import SearchState, State
-from meshops.criteria_files import load_criteria
+from meshops.criteria import BUILT_IN
+from meshops.criteria_files import dump_criteria, load_criteria
 from meshops.errors import InputError
 from meshops.formats import Deck, read_deck
+from meshops.formats.locks import locks_told, only_lock
+from meshops.formats.selection import locked_but
+from meshops.quality import median_edge
+from meshops.sizing import samples_text
 from tracking.events import Event, GenerationReport, Recorder, RoundReport
 from tracking.fanout import Fanout
 from tracking.journal import Journal, read_journal
-
-CONFIG, RUN = "config.toml", "run.json"
 
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
@@ -69,13 +75,22 @@ def optimize(
     """
     started = time.monotonic()
     deck, job = _read(source, config)
+    deck.check_room()
     this = _Run(folder, source, deck, job, uuid.uuid4().hex)
 
     def begin() -> Sequence[Event]:
         prepare_folder(folder, source, overwrite=overwrite)
         (folder / RESULT).unlink(missing_ok=True)
-        about = {"source": str(source.resolve()), "mesh": job.mesh.digest, "run": this.run_id}
-        write_text(folder / CONFIG, config.to_toml())
+        about = {
+            "source": str(source.resolve()),
+            "mesh": job.mesh.digest,
+            "surface": job.mesh.surface_digest,
+            "run": this.run_id,
+        }
+        write_text(folder / CRITERIA, _criteria_text(config))
+        write_text(folder / CONFIG, _settings_text(job.config))
+        if job.assessment.sizes is not None:
+            write_text(folder / SIZES, samples_text(job.assessment.sizes, job.mesh))
         write_text(folder / RUN, json.dumps(about, indent=1) + "\n")
         return ()
 
@@ -89,10 +104,31 @@ def has_run(folder: Path) -> bool:
 
 def clear_half_begun(folder: Path, config: Config) -> None:
     """Empty a folder in which this very run was killed as soon as it had written its settings."""
-    settings = folder / CONFIG
-    is_alone = folder.is_dir() and list(folder.iterdir()) == [settings]
-    if is_alone and settings.read_text(encoding="utf-8") == config.to_toml():
-        settings.unlink()
+    files = list(folder.iterdir()) if folder.is_dir() else []
+    if {file.name for file in files} <= {CONFIG, CRITERIA, SIZES} and _are_ours(folder, config):
+        for file in files:
+            file.unlink()
+
+
+def _are_ours(folder: Path, config: Config) -> bool:
+    """Whether all settings in a folder are those that this run writes."""
+    settings, criteria = folder / CONFIG, folder / CRITERIA
+    if not criteria.exists() or criteria.read_text(encoding="utf-8") != _criteria_text(config):
+        return False
+    if not settings.exists():
+        return not (folder / SIZES).exists()
+    found = tomllib.loads(settings.read_text(encoding="utf-8"))
+    mine = tomllib.loads(_settings_text(config))
+    return found | {"judged-size": None} == mine | {"judged-size": None}
+
+
+def _criteria_text(config: Config) -> str:
+    return dump_criteria(load_criteria(config.criteria))
+
+
+def _settings_text(config: Config) -> str:
+    """All settings; criteria of a file are those beside it."""
+    return config.to_toml(**({} if config.criteria in BUILT_IN else {"criteria": CRITERIA}))
 
 
 def resume(
@@ -111,8 +147,8 @@ def resume(
     Raises InputError where the folder has no run that can go on.
     """
     started = time.monotonic()
-    about = _about(folder)
-    if _status(folder) == "finished" and not (folder / CHECKPOINT).exists():
+    about = about_run(folder)
+    if status_of(folder) == "finished" and not (folder / CHECKPOINT).exists():
         return None
     # the time limit was that of the session before
     config = load_config(folder / CONFIG, {"time-limit": None, **given})
@@ -147,8 +183,10 @@ def _work(
         checkpoints = Checkpoints(this.folder, job.key, state)
         recorder = Fanout([Journal(this.folder, known), *listeners(config)])
 
+        chronicle = Chronicle(known)
+
         def record(event: Event) -> None:
-            recorder.record(event)
+            recorder.record(chronicle.told(event))
             if isinstance(event, GenerationReport):
                 interruption.heed()
 
@@ -178,24 +216,14 @@ def _work(
 
 def _read(source: Path, config: Config) -> tuple[Deck, Job]:
     deck = read_deck(source)
-    return deck, Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
-
-
-def _about(folder: Path) -> dict[str, str]:
-    try:
-        about: dict[str, str] = json.loads((folder / RUN).read_text(encoding="utf-8"))
-        return {key: about[key] for key in ("source", "mesh", "run")}
-    except (OSError, ValueError, KeyError, TypeError):
-        raise InputError(
-            f"{folder} has no {RUN} of a run: name a folder that optimize has written."
-        ) from None
-
-
-def _status(folder: Path) -> str:
-    try:
-        return str(json.loads((folder / RESULT).read_text(encoding="utf-8"))["status"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return ""
+    mesh, locks = deck.mesh, deck.locks
+    if config.only is not None:
+        mesh = locked_but(mesh, deck.select(config.only))
+        locks = (only_lock(deck.mesh, mesh, config.only), *locks)
+    if config.element_size is None and config.judged_size is None:
+        config = config.model_copy(update={"judged_size": median_edge(mesh)})
+    told = (*locks_told(mesh, locks), *deck.notes)
+    return deck, Job.of(source.name, mesh, load_criteria(config.criteria), config, locks, told)
 
 
 def _events_until(folder: Path, state: State | None) -> list[Event]:

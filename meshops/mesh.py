@@ -111,6 +111,11 @@ class ShellMesh:
         """Hash of all arrays: equal digests, equal meshes."""
         return digest_of((name, getattr(self, name)) for name in self.__dataclass_fields__)
 
+    @cached_property
+    def surface_digest(self) -> str:
+        """Hash of points and elements alone: equal digests, equal surfaces."""
+        return digest_of((name, getattr(self, name)) for name in ("points", "elements"))
+
     def __getstate__(self) -> dict[str, object]:
         """Only the arrays travel; what is derived from them is made again where it is needed."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}

@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from meshops.criteria import Scoring
+from meshops.assessment import Assessment
 from meshops.errors import InputError
 from meshops.formats.output import write_whole
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
-from meshops.quality import failed_elements
-from meshops.quality_index import quality_index
 from meshops.topology import element_normals, topology
 
 KINDS = {
@@ -54,7 +52,7 @@ class _View:
         return places
 
 
-def draw(mesh: ShellMesh, scoring: Scoring, path: Path, *, title: str = "") -> None:
+def draw(mesh: ShellMesh, assessment: Assessment, path: Path, *, title: str = "") -> None:
     """Draw a mesh to a PNG file, which is written whole.
 
     Trias and failed elements stand out in colour, locked elements are greyer; borders and feature
@@ -65,16 +63,18 @@ def draw(mesh: ShellMesh, scoring: Scoring, path: Path, *, title: str = "") -> N
     InputError
         Where the mesh has no element or the file cannot be written.
     """
-    _draw_panels([(title, mesh)], scoring, path, panel_width=9.0)
+    _draw_panels([(title, mesh)], assessment, path, panel_width=9.0)
 
 
-def draw_before_after(before: ShellMesh, after: ShellMesh, scoring: Scoring, path: Path) -> None:
+def draw_before_after(
+    before: ShellMesh, after: ShellMesh, assessment: Assessment, path: Path
+) -> None:
     """Draw two states of a mesh side by side, seen alike; see :func:`draw`."""
-    _draw_panels([("before", before), ("after", after)], scoring, path, panel_width=6.5)
+    _draw_panels([("before", before), ("after", after)], assessment, path, panel_width=6.5)
 
 
 def _draw_panels(
-    panels: list[tuple[str, ShellMesh]], scoring: Scoring, path: Path, *, panel_width: float
+    panels: list[tuple[str, ShellMesh]], assessment: Assessment, path: Path, *, panel_width: float
 ) -> None:
     from matplotlib.figure import Figure
 
@@ -89,22 +89,22 @@ def _draw_panels(
     figure = Figure(figsize=(panel_width * len(panels), total), dpi=_DPI, facecolor="white")
     pixels = _DPI * min(panel_width / width, panel_height / height)
 
-    kinds = [_kinds(mesh, scoring) for _, mesh in panels]
+    kinds = [_kinds(mesh, assessment) for _, mesh in panels]
     for place, (title, mesh) in enumerate(panels):
         box = (place / len(panels), _FOOTER / total, 1 / len(panels), panel_height / total)
         axes = figure.add_axes(box)
         axes.set(xlim=window[:, 0], ylim=window[:, 1], aspect="equal")
         axes.set_axis_off()
         axes.add_collection(_collection(mesh, kinds[place], view, pixels))
-        _write_header(figure, box, total, title, _summary(mesh, scoring))
+        _write_header(figure, box, total, title, _summary(mesh, assessment))
     locked = sum(int(mesh.locked_elements.sum()) for _, mesh in panels)
     _write_legend(figure, np.concatenate(kinds), locked, with_counts=len(panels) == 1)
     write_whole(path, lambda temporary: figure.savefig(temporary, format="png"))
 
 
-def _kinds(mesh: ShellMesh, scoring: Scoring) -> Ints:
+def _kinds(mesh: ShellMesh, assessment: Assessment) -> Ints:
     """(M,) place of each element's kind in ``KINDS``."""
-    failed = failed_elements(mesh, scoring)
+    failed = assessment.failing(mesh)
     return mesh.is_tria.astype(np.int32) + np.int32(2) * failed.astype(np.int32)
 
 
@@ -208,8 +208,8 @@ def _window(places: list[Floats]) -> Floats:
     return np.stack([low - margin, high + margin])
 
 
-def _summary(mesh: ShellMesh, scoring: Scoring) -> str:
-    report = quality_index(mesh, scoring)
+def _summary(mesh: ShellMesh, assessment: Assessment) -> str:
+    report = assessment.quality(mesh)
     return (
         f"{report.elements:,} elements   {report.trias:,} trias   {report.failed:,} failed   "
         f"compound Q.I. {report.compound_qi:,.2f}"

@@ -215,6 +215,17 @@ def read_samples(path: Path) -> SizeSamples:
     return SizeSamples.build(table[:, :3], table[:, 3])
 
 
+def samples_text(sizes: SizeField, mesh: ShellMesh) -> str:
+    """Write a size field as a file that `read_samples` reads back to the last bit.
+
+    One that is no samples itself is sampled at the nodes of the mesh.
+    """
+    places = sizes.places if isinstance(sizes, SizeSamples) else mesh.points
+    wanted = sizes.sizes if isinstance(sizes, SizeSamples) else sizes.at(mesh.points)
+    rows = np.column_stack([places, wanted]).tolist()
+    return "\n".join([",".join(COLUMNS), *(",".join(map(repr, row)) for row in rows), ""])
+
+
 def _sample(words: list[str]) -> list[float]:
     if len(words) != len(COLUMNS):
         raise InputError(f"needs {', '.join(COLUMNS)}, not {len(words)} values")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from meshops.assessment import Assessment
 from meshops.criteria import PAPER, STANDARD, Scoring
 from meshops.errors import InputError
 from meshops.examples import plate
@@ -11,6 +12,7 @@ from meshops.mesh import ShellMesh
 from meshops.pictures import KINDS, draw, draw_before_after
 
 SCORING = PAPER.at(5.0)
+JUDGED = Assessment(SCORING)
 
 
 @pytest.fixture(scope="module")
@@ -51,13 +53,13 @@ def count(image: np.ndarray, kind: str) -> int:
 
 
 def picture(mesh: ShellMesh, folder: Path, scoring: Scoring = SCORING) -> np.ndarray:
-    draw(mesh, scoring, folder / "mesh.png")
+    draw(mesh, Assessment(scoring), folder / "mesh.png")
     return pixels(folder / "mesh.png")
 
 
 def test_writes_one_png_of_sensible_size(mesh: ShellMesh, tmp_path: Path) -> None:
     path = tmp_path / "plate.png"
-    draw(mesh, SCORING, path, title="plate")
+    draw(mesh, JUDGED, path, title="plate")
     assert path.read_bytes().startswith(b"\x89PNG\r\n\x1a\n")
     assert [p.name for p in tmp_path.iterdir()] == ["plate.png"]
     height, width = imread(path).shape[:2]
@@ -67,7 +69,7 @@ def test_writes_one_png_of_sensible_size(mesh: ShellMesh, tmp_path: Path) -> Non
 
 
 def test_a_title_may_hold_any_sign(tmp_path: Path) -> None:
-    draw(grid(2, 2), SCORING, tmp_path / "a.png", title="$run_1$ \\part{ $x^")
+    draw(grid(2, 2), JUDGED, tmp_path / "a.png", title="$run_1$ \\part{ $x^")
     assert (tmp_path / "a.png").exists()
 
 
@@ -184,7 +186,7 @@ def test_tiny_elements_lose_their_edges(tmp_path: Path) -> None:
 
 def test_before_and_after_are_side_by_side(mesh: ShellMesh, tmp_path: Path) -> None:
     quads = ShellMesh.build(mesh.points, mesh.elements[~mesh.is_tria])
-    draw_before_after(mesh, quads, SCORING, tmp_path / "both.png")
+    draw_before_after(mesh, quads, JUDGED, tmp_path / "both.png")
     image = pixels(tmp_path / "both.png")
     left, right = np.array_split(image, 2, axis=1)
     assert image.shape[1] > 1.5 * image.shape[0]
@@ -196,14 +198,14 @@ def test_before_and_after_are_side_by_side(mesh: ShellMesh, tmp_path: Path) -> N
 def test_refuses_a_mesh_without_elements(tmp_path: Path) -> None:
     empty = ShellMesh.build(np.zeros((0, 3)), np.zeros((0, 4)))
     with pytest.raises(InputError, match="no element"):
-        draw(empty, SCORING, tmp_path / "empty.png")
+        draw(empty, JUDGED, tmp_path / "empty.png")
     assert not any(tmp_path.iterdir())
 
 
 def test_says_where_a_picture_cannot_be_written(mesh: ShellMesh, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(InputError, match="file"):
-        draw(mesh, SCORING, tmp_path / "file" / "plate.png")
+        draw(mesh, JUDGED, tmp_path / "file" / "plate.png")
 
 
 @pytest.mark.parametrize(
@@ -215,5 +217,5 @@ def test_says_where_a_picture_cannot_be_written(mesh: ShellMesh, tmp_path: Path)
 )
 def test_a_degenerate_mesh_still_gets_a_picture(points: np.ndarray, tmp_path: Path) -> None:
     flat = ShellMesh.build(points, [[0, 1, 2, -1]])
-    draw(flat, SCORING, tmp_path / "flat.png")
+    draw(flat, JUDGED, tmp_path / "flat.png")
     assert (tmp_path / "flat.png").stat().st_size > 0

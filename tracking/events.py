@@ -26,6 +26,8 @@ class MeshSummary:
         Elements that fail a criterion.
     compound_qi : float
         The sum of the elements' Q.I.; 0 is perfect.
+    failed_by_shape, failed_by_size : int
+        Those of the failed that fail a criterion of shape, and those that fail by size alone.
     """
 
     elements: int
@@ -33,6 +35,8 @@ class MeshSummary:
     trias: int
     failed: int
     compound_qi: float
+    failed_by_shape: int = 0
+    failed_by_size: int = 0
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,8 @@ class RunStarted:
     before : MeshSummary
     note : str
         The user's own words about the run.
+    told : tuple of str
+        What the user should know before it runs: by what it judges, what is locked and why.
     """
 
     name: str
@@ -64,6 +70,7 @@ class RunStarted:
     settings: Mapping[str, Setting]
     before: MeshSummary
     note: str = ""
+    told: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,12 +83,12 @@ class GenerationReport:
     best, mean, worst : float
         Fitness over the individuals of this generation; more is better.
     best_so_far : float
-        Fitness of the island's best procedure so far.
+        Fitness of the island's best procedure so far; it never falls.
     trias, failed, compound_qi
         Of the mesh that the best procedure so far makes.
     evaluations, performed : int
-        Individuals of operation GAs that this island's procedures asked for since the start of the
-        run, and those of them that were scored: the others were known.
+        Individuals of operation GAs that the procedures of all islands asked for since the start
+        of the run, and those of them that were scored: the others were known.
     seconds : float
         Time since the start of the run.
     procedure : str
@@ -136,7 +143,7 @@ class RoundReport:
     Attributes
     ----------
     turn : int
-        From 0.
+        Where its subdomains were cut: from 0, and from 0 again where it only tidies up.
     rings : int
         How far the places reached.
     places, changed, solved : int
@@ -149,6 +156,10 @@ class RoundReport:
         Since the start of the run.
     rates : Mapping
         How often each operation was drawn, by its name.
+    number : int
+        Of the rounds of the run, from 1.
+    step : int
+        Later than all generations before it: it only rises.
     """
 
     turn: int
@@ -163,6 +174,8 @@ class RoundReport:
     performed: int
     seconds: float
     rates: Mapping[str, float]
+    number: int = 0
+    step: int = 0
 
 
 @dataclass(frozen=True)
@@ -185,6 +198,10 @@ class RunFinished:
         The best procedure, in the form of the paper's figure 10.
     digest : str
         The content hash of the mesh ``after``.
+    worse : tuple of str
+        In what the mesh is worse than the run found it, a phrase each.
+    step : int
+        Later than all generations.
     """
 
     status: Status
@@ -196,6 +213,8 @@ class RunFinished:
     performed: int
     procedure: str
     digest: str
+    worse: tuple[str, ...] = ()
+    step: int = 0
 
 
 Event = RunStarted | GenerationReport | MigrationReport | FaultReport | RoundReport | RunFinished

@@ -178,6 +178,7 @@ def _decoded(kind: str, payload: str) -> Event:
     for name in ("before", "after"):
         if values.get(name) is not None:
             values[name] = MeshSummary(**values[name])
-    if "genome" in values:
-        values["genome"] = tuple(values["genome"])
+    for name in ("genome", "told", "worse"):
+        if name in values:
+            values[name] = tuple(values[name])
     return _KINDS[kind](**values)

@@ -52,8 +52,10 @@ class Metrics:
             self._overview = Overview(event.islands)
             yield from _points(ALL_ISLANDS, _mesh_figures("before", event.before), timestamp, 0)
         elif isinstance(event, GenerationReport):
-            for report in (event, *self._overview.add(event)):
+            yield from _report_points(event, timestamp)
+            for report in self._overview.add(event):
                 yield from _report_points(report, timestamp)
+                yield from _cost_points(report, timestamp)
         elif isinstance(event, RoundReport):
             figures = {
                 "round/places": event.places,
@@ -64,13 +66,15 @@ class Metrics:
                 "round/trias": event.trias,
                 "round/irregular": event.irregular,
             } | {f"rate/{name}": rate for name, rate in event.rates.items()}
-            yield from _points(ALL_ISLANDS, figures, timestamp, event.turn)
+            yield from _points(ALL_ISLANDS, figures, timestamp, event.step)
         elif isinstance(event, RunFinished):
             for report in self._overview.rest():
                 yield from _report_points(report, timestamp)
+                yield from _cost_points(report, timestamp)
             if event.after is not None:
                 figures = _mesh_figures("after", event.after) | {"after/fitness": event.fitness}
                 yield from _points(ALL_ISLANDS, figures, timestamp, 0)
+            yield from _points(ALL_ISLANDS, _result_figures(event), timestamp, event.step)
 
 
 def _report_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
@@ -82,11 +86,34 @@ def _report_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
         "mesh/trias": report.trias,
         "mesh/failed": report.failed,
         "mesh/compound_qi": report.compound_qi,
+    }
+    return _points(report.island, figures, timestamp, report.generation)
+
+
+def _cost_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
+    """Make the points of what a generation has cost: of the run as a whole, and there alone."""
+    return _points(report.island, _cost_figures(report), timestamp, report.generation)
+
+
+def _cost_figures(report: GenerationReport | RunFinished) -> dict[str, float]:
+    return {
         "cost/evaluations": report.evaluations,
         "cost/known_before": known_before(report),
         "cost/seconds": report.seconds,
     }
-    return _points(report.island, figures, timestamp, report.generation)
+
+
+def _result_figures(finished: RunFinished) -> dict[str, float]:
+    """Last values of the curves of the run: those of its result."""
+    figures = _cost_figures(finished)
+    if finished.after is not None:
+        figures |= {
+            "fitness/best_so_far": finished.fitness,
+            "mesh/trias": finished.after.trias,
+            "mesh/failed": finished.after.failed,
+            "mesh/compound_qi": finished.after.compound_qi,
+        }
+    return figures
 
 
 def _mesh_figures(group: str, mesh: MeshSummary) -> dict[str, float]:
@@ -95,6 +122,8 @@ def _mesh_figures(group: str, mesh: MeshSummary) -> dict[str, float]:
         f"{group}/quads": mesh.quads,
         f"{group}/trias": mesh.trias,
         f"{group}/failed": mesh.failed,
+        f"{group}/failed_by_shape": mesh.failed_by_shape,
+        f"{group}/failed_by_size": mesh.failed_by_size,
         f"{group}/compound_qi": mesh.compound_qi,
     }
 

@@ -56,8 +56,8 @@ class Overview:
                 best=max(report.best for report in reports),
                 mean=sum(report.mean for report in reports) / len(reports),
                 worst=min(report.worst for report in reports),
-                evaluations=sum(report.evaluations for report in latest),
-                performed=sum(report.performed for report in latest),
+                evaluations=max(report.evaluations for report in latest),
+                performed=max(report.performed for report in latest),
                 seconds=max(report.seconds for report in latest),
             )
         ]

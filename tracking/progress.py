@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +33,7 @@ _COLUMNS = (
     "evaluations",
     "elapsed",
 )
+_WIDTH = 80
 _REFRESHES_PER_SECOND = 2.0
 
 
@@ -49,7 +51,8 @@ class ProgressLines:
     def record(self, event: Event) -> None:
         """Write the event's line."""
         if isinstance(event, RunStarted):
-            print(f"{_title(event)}  {_before(event.before)}", file=self._stream, flush=True)
+            lines = [f"{_title(event)}  {_before(event.before)}", *_told(event)]
+            print("\n".join(lines), file=self._stream, flush=True)
         elif isinstance(event, GenerationReport):
             print(_line(event), file=self._stream, flush=True)
         elif isinstance(event, FaultReport):
@@ -118,7 +121,8 @@ class ProgressDisplay:
 
         table = Table(caption=escape(self._caption()), caption_justify="left", title_justify="left")
         if self._started is not None:
-            table.title = escape(f"{_title(self._started)}\n{_before(self._started.before)}")
+            lines = [_title(self._started), _before(self._started.before), *_told(self._started)]
+            table.title = escape("\n".join(lines))
         for column in _COLUMNS:
             table.add_column(column, justify="right")
         for report in self._reports.values():
@@ -145,9 +149,16 @@ def _title(started: RunStarted) -> str:
     return f"{started.name}  seed {started.seed}  {islands}  {started.backend}"
 
 
+def _told(started: RunStarted) -> list[str]:
+    """Lines of at most 80 columns."""
+    return [textwrap.fill(line, _WIDTH, subsequent_indent="    ") for line in started.told]
+
+
 def _before(mesh: MeshSummary) -> str:
     return (
-        f"before: {mesh.elements} elements  failed {mesh.failed}  trias {mesh.trias}  "
+        f"before: {mesh.elements} elements  failed {mesh.failed} "
+        f"({mesh.failed_by_shape} by shape, {mesh.failed_by_size} by size alone)  "
+        f"trias {mesh.trias}  "
         f"Q.I. {mesh.compound_qi:.2f}"
     )
 
@@ -166,7 +177,7 @@ def _fault(fault: FaultReport) -> str:
 
 def _round(report: RoundReport) -> str:
     return (
-        f"round {report.turn}  {report.places} places of {report.rings} rings  "
+        f"round {report.number}  {report.places} places of {report.rings} rings  "
         f"{report.changed} better, {report.solved} without a fault  failed {report.failed}  "
         f"trias {report.trias}  irregular {report.irregular}  {report.seconds:.1f} s"
     )

@@ -12,6 +12,8 @@ _ROWS = (
     ("quads", "quads"),
     ("trias", "trias"),
     ("failed elements", "failed"),
+    ("by shape", "failed_by_shape"),
+    ("by size alone", "failed_by_size"),
     ("compound Q.I.", "compound_qi"),
 )
 
@@ -29,6 +31,8 @@ def markdown_report(started: RunStarted, finished: RunFinished | None = None) ->
         value = "" if after is None else f"{getattr(after, name):.6g}"
         lines.append(f"| {title} | {getattr(started.before, name):.6g} | {value} |")
     parts.append("\n".join(lines))
+    if started.told:
+        parts.append(_cut("\n".join(f"- {line}" for line in started.told), NOTE_LENGTH // 4))
     if finished:
         parts.append(
             f"{finished.status.capitalize()} after {finished.seconds:.1f} s and "
@@ -36,6 +40,8 @@ def markdown_report(started: RunStarted, finished: RunFinished | None = None) ->
             f"before: {finished.reason}. "
             f"Fitness {finished.fitness:.6g}."
         )
+        if finished.worse:
+            parts.append(f"Worse than before: {'; '.join(finished.worse)}.")
     text = "\n\n".join(parts)
     if finished and finished.procedure:
         room = NOTE_LENGTH - len(text) - len("\n\n```\n\n```")

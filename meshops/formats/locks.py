@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
+
+from meshops.mesh import ShellMesh
 
 Kind = Literal["nodes", "elements"]
 
@@ -50,3 +53,23 @@ class Lock:
 def most_first(locks: list[Lock]) -> tuple[Lock, ...]:
     """Order locks for a reader: those of elements first, then by their counts, then by name."""
     return tuple(sorted(locks, key=lambda lock: (lock.kind, -lock.count, lock.cards)))
+
+
+def locks_told(mesh: ShellMesh, locks: Sequence[Lock]) -> tuple[str, ...]:
+    """Say how much of a mesh is locked, by which cards, and what that forbids: a line each."""
+    nodes, elements = int(mesh.locked_nodes.sum()), int(mesh.locked_elements.sum())
+    if not (nodes or elements):
+        return ()
+    total = (
+        f"locked: {nodes:,} of {len(mesh.points):,} nodes, {elements:,} of "
+        f"{len(mesh.elements):,} elements"
+    )
+    if not locks:
+        return (f"{total}, since other cards refer to them",)
+    return (total, *(f"  {lock.sentence}" for lock in locks))
+
+
+def only_lock(deck: ShellMesh, mesh: ShellMesh, text: str) -> Lock:
+    """Return the lock that leaves only a part of a deck free, which the user has named."""
+    ids = mesh.element_ids[mesh.locked_elements & ~deck.locked_elements].tolist()
+    return Lock("elements", len(ids), f"--only {text}", ELEMENTS_STAY, tuple(ids))

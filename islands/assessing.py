@@ -1,0 +1,42 @@
+"""Assessing: by what a run, or a check, judges a mesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from meshops.assessment import EVEN, Assessment
+from meshops.criteria import Criteria
+from meshops.mesh import ShellMesh
+from meshops.quality import median_edge
+from meshops.sizing import LOCAL, parse_size
+
+Size = float | str | None
+"""As a user gives it: a number, ``local`` or a file of sizes; None: the median edge."""
+
+
+def assessment_of(
+    mesh: ShellMesh,
+    criteria: Criteria,
+    size: Size,
+    *,
+    judged_size: float | None = None,
+    reference: ShellMesh | None = None,
+) -> Assessment:
+    """Return what a mesh is judged by where a user gives these settings.
+
+    `judged_size` is what lengths are judged by where `size` is no number; None: the median edge.
+    Raises InputError where the size is none.
+    """
+    number = None if isinstance(size, str) else size
+    sizes = parse_size(size, mesh) if isinstance(size, str) else None
+    return Assessment(
+        scoring=criteria.at(number or judged_size or median_edge(mesh)),
+        sizes=sizes,
+        gradation=EVEN if sizes is None else gradation_name(str(size)),
+        reference=reference,
+    )
+
+
+def gradation_name(size: str) -> str:
+    """Return what a size field is called in reports."""
+    return LOCAL if size == LOCAL else Path(size).name
