@@ -113,11 +113,14 @@ def clear_half_begun(folder: Path, config: Config) -> None:
 def _are_ours(folder: Path, config: Config) -> bool:
     """Whether all settings in a folder are those that this run writes."""
     settings, criteria = folder / CONFIG, folder / CRITERIA
-    if not criteria.exists() or criteria.read_text(encoding="utf-8") != _criteria_text(config):
+    if criteria.exists() and criteria.read_text(encoding="utf-8") != _criteria_text(config):
         return False
     if not settings.exists():
         return not (folder / SIZES).exists()
-    found = tomllib.loads(settings.read_text(encoding="utf-8"))
+    try:
+        found = tomllib.loads(settings.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError):
+        return False
     mine = tomllib.loads(_settings_text(config))
     return found | {"judged-size": None} == mine | {"judged-size": None}
 

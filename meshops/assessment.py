@@ -22,6 +22,9 @@ from meshops.quality import (
 from meshops.quality_index import QualityIndex, index_of_values
 from meshops.sizing import SizeField, at_even_size, size_factors
 
+_FLAT = 1e-6
+"""Extent across a plane surface, relative to its largest extent."""
+
 EVEN = "even"
 """The gradation of a mesh that is to have the same size everywhere."""
 
@@ -39,7 +42,8 @@ class Assessment:
     gradation : str
         What `sizes` is called: ``even``, ``local`` or the name of a file.
     reference : ShellMesh or None
-        The surface that chordal deviation is measured from; None: it is not looked at.
+        The surface that chordal deviation is measured from; None: it is not looked at, nor where
+        the surface is a plane, which nothing deviates from.
     """
 
     scoring: Scoring
@@ -55,7 +59,8 @@ class Assessment:
     @cached_property
     def full_scoring(self) -> Scoring:
         """The scoring, with the chordal deviation where there is a reference surface."""
-        return replace(self.scoring, with_reference=self.reference is not None)
+        curved = self.reference is not None and not _is_plane(self.reference)
+        return replace(self.scoring, with_reference=curved)
 
     def values(self, mesh: ShellMesh) -> Floats:
         """(M, 12) measures of the elements, lengths as at the size of the scoring."""
@@ -119,3 +124,8 @@ class Assessment:
                 for c in self.criteria.criteria
             },
         }
+
+
+def _is_plane(surface: ShellMesh) -> bool:
+    spread = np.linalg.eigvalsh(np.cov(surface.points.T, bias=True))
+    return bool(spread[0] <= _FLAT**2 * spread[2])

@@ -35,6 +35,8 @@ OUTPUTS = {
     "quality_before.txt",
     "quality_after.txt",
     "config.toml",
+    "criteria.toml",
+    "failed.csv",
     "run.json",
 }
 
@@ -77,7 +79,8 @@ def test_optimize_writes_everything(call, deck: Path, tmp_path: Path) -> None:  
     assert result["backend"] == "local"
     assert set(result) >= {"seconds", "evaluations", "fitness", "procedure", "digest"}
     for when in ("before", "after"):
-        assert set(result[when]) == {"elements", "quads", "trias", "failed", "compound_qi"}
+        counts = {"elements", "quads", "trias", "failed", "failed_by_shape", "failed_by_size"}
+        assert set(result[when]) == counts | {"compound_qi"}
     assert result["after"]["failed"] < result["before"]["failed"]
     after = read_deck(run / "deck.bdf").mesh
     assert (len(after.elements), after.is_tria.sum()) == (

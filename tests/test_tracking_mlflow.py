@@ -25,9 +25,10 @@ START = RunStarted(
 END = RunFinished(
     "finished", "all generations done", AFTER, 96.0, 12.3, 1200, 900, "0 1-2\n2 -", "abc"
 )
-GENERATIONS = 120  # 1200 points an island: more than one batch
-POINTS_A_REPORT = 10
-POINTS_OF_ENDS = 11
+GENERATIONS = 120  # 840 points an island: more than one batch
+POINTS_A_REPORT = 7
+POINTS_A_GENERATION = 3  # what it costs, of the run alone
+POINTS_OF_ENDS = 22
 
 
 def report(island, generation):
@@ -127,7 +128,9 @@ def test_islands_are_children_with_their_metrics_by_generation(client, experimen
         assert curve(client, run, "mesh/failed") == dict.fromkeys(expected, 4.0)
     assert curve(client, parent, "fitness/best_so_far") == {
         g: 10.0 * g + 1 for g in range(GENERATIONS)
-    }
+    } | {GENERATIONS: END.fitness}
+    assert set(curve(client, parent, "cost/evaluations")) == set(range(GENERATIONS + 1))
+    assert not any(curve(client, run, "cost/evaluations") for run in children)
     assert curve(client, parent, "before/trias") == {0: 11.0}
     assert curve(client, parent, "after/trias") == {0: 4.0}
 
@@ -154,7 +157,8 @@ def test_a_resumed_run_goes_on_in_its_record(client, experiment, outputs_and_sto
     recorder = MlflowRecorder(f"sqlite:///{outputs_and_store[1]}", notify=sentences.append)
     recorder.record(replace(START, run_id="run-2", settings={"ga.size": 20, "more": 1}))
     recorder.record(report(0, GENERATIONS))
-    recorder.record(RoundReport(3, 4, 12, 7, 5, 9, 6, 8, 4200, 2100, 33.3, {"swap-edge": 0.25}))
+    figures = (0, 4, 12, 7, 5, 9, 6, 8, 4200, 2100, 33.3, {"swap-edge": 0.25})
+    recorder.record(RoundReport(*figures, number=2, step=3))
     recorder.record(END)
     recorder.close()
     assert sentences == []
@@ -203,7 +207,8 @@ class FlakyStore:
 
 
 def all_points(generations):
-    return POINTS_OF_ENDS + generations * POINTS_A_REPORT * (START.islands + 1)
+    of_all = POINTS_A_REPORT * (START.islands + 1) + POINTS_A_GENERATION
+    return POINTS_OF_ENDS + generations * of_all
 
 
 @pytest.mark.parametrize("failures", [(), (1,), (2,), (1, 2, 3, 5, 6)])
@@ -254,7 +259,7 @@ def test_a_server_that_is_not_there_does_not_hold_the_run_up():
     recorder.close()
     assert time.monotonic() - start < 30.0
     assert "does not answer" in sentences[0]
-    assert "15 points" in sentences[1]
+    assert "14 points" in sentences[1]
     assert len(sentences) == 2
 
 
@@ -270,7 +275,7 @@ def test_a_call_that_never_returns_does_not_hold_close_up(monkeypatch):
     assert time.monotonic() - start < 5.0
     released.set()
     assert len(sentences) == 1
-    assert " 5 points " in sentences[0]
+    assert " 7 points " in sentences[0]
 
 
 def test_dashboard_says_what_is_missing(tmp_path):

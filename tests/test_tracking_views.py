@@ -21,14 +21,26 @@ from tracking.overview import ALL_ISLANDS, Overview
 from tracking.progress import ProgressDisplay, ProgressLines, progress
 from tracking.report import NOTE_LENGTH, markdown_report
 
-BEFORE = MeshSummary(elements=120, quads=109, trias=11, failed=12, compound_qi=3.21)
+BEFORE = MeshSummary(
+    elements=120,
+    quads=109,
+    trias=11,
+    failed=12,
+    compound_qi=3.21,
+    failed_by_shape=8,
+    failed_by_size=4,
+)
 AFTER = MeshSummary(elements=98, quads=94, trias=4, failed=0, compound_qi=0.5)
 START = RunStarted("plate", "id", 7, "local", 2, {"islands": 2}, BEFORE)
 END = RunFinished(
     "finished", "all generations done", AFTER, 96.0, 12.3, 1200, 900, "0 1-2\n2 -", "abc"
 )
 
-ROUND = RoundReport(5, 3, 12, 7, 4, 9, 6, 8, 4200, 2100, 33.35, {"remesh": 0.25, "nothing": 0.75})
+ROUND = RoundReport(
+    *(0, 3, 12, 7, 4, 9, 6, 8, 4200, 2100, 33.35, {"remesh": 0.25, "nothing": 0.75}),
+    number=6,
+    step=5,
+)
 
 
 def report(island=1, generation=3, best=90.0, best_so_far=92.0):
@@ -49,6 +61,7 @@ def test_individuals_that_could_not_be_scored_are_told_with_their_reason():
 
 
 def test_a_generation_is_summed_up_when_all_islands_have_reported_it():
+    # each report counts the evaluations of all islands: they are not to count again
     overview = Overview(2)
     first = replace(report(0, 0, best=90.0, best_so_far=95.0), mean=60.0, worst=10.0, trias=5)
     second = replace(report(1, 0, best=91.0, best_so_far=91.0), seconds=20.0)
@@ -60,8 +73,6 @@ def test_a_generation_is_summed_up_when_all_islands_have_reported_it():
         best=91.0,
         mean=70.0,
         worst=10.0,
-        evaluations=2400,
-        performed=1800,
         seconds=20.0,
     )
     assert overview.rest() == []
@@ -74,7 +85,7 @@ def test_a_later_generation_does_not_wait_for_a_slow_island():
     assert summed.generation == 0
     assert overview.add(report(1, 0, best_so_far=99.0)) == []  # late, but it counts for the next
     (summed,) = overview.rest()
-    assert (summed.generation, summed.best_so_far, summed.evaluations) == (1, 99.0, 2400)
+    assert (summed.generation, summed.best_so_far, summed.evaluations) == (1, 99.0, 1200)
 
 
 @given(
@@ -110,6 +121,8 @@ def test_metrics_of_a_run():
         (ALL_ISLANDS, "before/quads", 109.0, 0),
         (ALL_ISLANDS, "before/trias", 11.0, 0),
         (ALL_ISLANDS, "before/failed", 12.0, 0),
+        (ALL_ISLANDS, "before/failed_by_shape", 8.0, 0),
+        (ALL_ISLANDS, "before/failed_by_size", 4.0, 0),
         (ALL_ISLANDS, "before/compound_qi", 3.21, 0),
     }
     points = list(metrics.points(report(), 2))
@@ -122,9 +135,6 @@ def test_metrics_of_a_run():
         "mesh/trias": 8.0,
         "mesh/failed": 4.0,
         "mesh/compound_qi": 1.234,
-        "cost/evaluations": 1200.0,
-        "cost/known_before": 0.25,
-        "cost/seconds": 12.34,
     }
     points = list(metrics.points(ROUND, 3))
     assert {(p.island, p.timestamp, p.step) for p in points} == {(ALL_ISLANDS, 3, 5)}
@@ -142,6 +152,26 @@ def test_metrics_of_a_run():
     points = list(metrics.points(END, 4))
     assert {p.island for p in points} == {ALL_ISLANDS}
     assert {(p.key, p.value) for p in points} >= {("fitness/best", 90.0), ("after/failed", 0.0)}
+
+
+def test_the_last_values_of_a_run_are_those_of_its_result():
+    metrics = Metrics()
+    points = [p for event in (START, report(), ROUND, END) for p in metrics.points(event, 1)]
+    last = {p.key: p.value for p in sorted(points, key=lambda p: p.step) if p.island == ALL_ISLANDS}
+    assert last["fitness/best_so_far"] == END.fitness
+    assert (last["mesh/failed"], last["mesh/trias"]) == (AFTER.failed, AFTER.trias)
+    assert last["mesh/compound_qi"] == AFTER.compound_qi
+    assert (last["cost/evaluations"], last["cost/known_before"]) == (1200, 0.25)
+    assert last["cost/seconds"] == END.seconds
+
+
+def test_what_a_run_costs_is_counted_once():
+    metrics = Metrics()
+    events = (START, report(0, 0), report(1, 0), replace(report(0, 1), evaluations=1300), END)
+    points = [p for event in events for p in metrics.points(event, 1)]
+    costs = [p for p in points if p.key == "cost/evaluations"]
+    assert {p.island for p in costs} == {ALL_ISLANDS}
+    assert [p.value for p in costs] == [1200, 1300, 1200]
 
 
 def test_note_tells_the_mesh_before_and_after_and_the_procedure():
@@ -170,10 +200,11 @@ def test_lines_of_a_run():
         lines.record(event)
     lines.close()
     assert stream.getvalue().splitlines() == [
-        "plate  seed 7  2 islands  local  before: 120 elements  failed 12  trias 11  Q.I. 3.21",
+        "plate  seed 7  2 islands  local  before: 120 elements  failed 12 (8 by shape, 4 by size "
+        "alone)  trias 11  Q.I. 3.21",
         "generation 3  island 1  fitness 92.000  failed 4  trias 8  Q.I. 1.23  evaluations 1200  "
         "12.3 s",
-        "round 5  12 places of 3 rings  7 better, 4 without a fault  failed 9  trias 6  "
+        "round 6  12 places of 3 rings  7 better, 4 without a fault  failed 9  trias 6  "
         "irregular 8  33.4 s",
         "finished: all generations done  fitness 96.000  evaluations 1200  12.3 s",
     ]
@@ -194,7 +225,7 @@ def test_terminal_gets_a_table_with_a_row_an_island(monkeypatch):
     display.close()
     display.close()
     last = stream.getvalue().rpartition("[plate]")[2]
-    assert "before: 120 elements  failed 12  trias 11  Q.I. 3.21" in last
+    assert "before: 120 elements  failed 12 (8 by shape, 4 by size alone)  trias 11" in last
     rows = [line.replace("│", " ").split() for line in last.splitlines() if "92.0" in line]
     assert rows == [
         ["0", "2", "92.0", "4", "8", "1.23", "1200", "12.3", "s"],

@@ -45,6 +45,7 @@ class Metrics:
 
     def __init__(self) -> None:
         self._overview = Overview(1)
+        self._last = -1
 
     def points(self, event: Event, timestamp: int) -> Iterator[Point]:
         """Yield the points of the event, and those of the run that it completes."""
@@ -53,6 +54,7 @@ class Metrics:
             yield from _points(ALL_ISLANDS, _mesh_figures("before", event.before), timestamp, 0)
         elif isinstance(event, GenerationReport):
             yield from _report_points(event, timestamp)
+            self._last = max(self._last, event.generation)
             for report in self._overview.add(event):
                 yield from _report_points(report, timestamp)
                 yield from _cost_points(report, timestamp)
@@ -74,7 +76,8 @@ class Metrics:
             if event.after is not None:
                 figures = _mesh_figures("after", event.after) | {"after/fitness": event.fitness}
                 yield from _points(ALL_ISLANDS, figures, timestamp, 0)
-            yield from _points(ALL_ISLANDS, _result_figures(event), timestamp, event.step)
+            step = max(event.step, self._last + 1)
+            yield from _points(ALL_ISLANDS, _result_figures(event), timestamp, step)
 
 
 def _report_points(report: GenerationReport, timestamp: int) -> Iterator[Point]:
