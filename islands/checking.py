@@ -9,9 +9,17 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from islands.assessing import Size, assessment_of
 from islands.config import load_config
-from islands.folder import CONFIG, about_run, assessment_of_run, is_written_deck, written_deck
+from islands.folder import (
+    CONFIG,
+    assessment_of_run,
+    deck_name,
+    is_written_deck,
+    written_deck,
+)
 from meshops.assessment import Assessment
 from meshops.criteria_files import load_criteria
 from meshops.errors import InputError
@@ -19,7 +27,11 @@ from meshops.failures import Failure, failures
 from meshops.formats import KNOWN, Deck, read_deck
 from meshops.formats.locks import locks_told
 from meshops.quality_index import QualityIndex
+from meshops.sizing import LOCAL, SizeSamples
 from meshops.topology import FEATURE_ANGLE
+
+_ELSEWHERE = 0.05
+"""Of the extent of a part: what reaches farther beyond it is another part."""
 
 KIND = "meshipelago check"
 """What a JSON report says that it is."""
@@ -85,8 +97,9 @@ def subject_of(
     if run is None or (criteria is not None and size is not None):
         chosen = load_criteria(criteria or "standard")
         return Subject(path, deck, assessment_of(deck.mesh, chosen, size), None, FEATURE_ANGLE)
-    about_run(run)
     assessment = assessment_of_run(run)
+    if path.resolve() != (run / deck_name(run)).resolve():
+        assessment = _for_another(assessment, deck)
     if criteria is not None:
         scoring = load_criteria(criteria).at(assessment.scoring.size)
         assessment = replace(assessment, scoring=scoring)
@@ -96,6 +109,20 @@ def subject_of(
         )
     angle = load_config(run / CONFIG, {}).feature_angle
     return Subject(path, deck, assessment, run, angle)
+
+
+def _for_another(assessment: Assessment, deck: Deck) -> Assessment:
+    """Judge another deck than that of the run: its surface is its own.
+
+    So is its gradation, where it is another part, which lies elsewhere than the run's sizes.
+    """
+    mesh, sizes = deck.mesh, assessment.sizes
+    if isinstance(sizes, SizeSamples) and assessment.gradation == LOCAL:
+        margin = _ELSEWHERE * np.linalg.norm(np.ptp(sizes.places, axis=0))
+        low, high = sizes.places.min(axis=0) - margin, sizes.places.max(axis=0) + margin
+        if not ((mesh.points >= low) & (mesh.points <= high)).all():
+            sizes = SizeSamples.of(mesh)
+    return replace(assessment, sizes=sizes, reference=None)
 
 
 def json_text(subject: Subject, report: QualityIndex, listed: Sequence[Failure] | None) -> str:

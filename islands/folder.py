@@ -39,9 +39,14 @@ def status_of(folder: Path) -> str:
         return ""
 
 
+def deck_name(folder: Path) -> str:
+    """Return the name of the deck that a run writes into its folder."""
+    return Path(about_run(folder)["source"]).name
+
+
 def written_deck(folder: Path) -> Path:
     """Return the deck that a run wrote; InputError where it has written none."""
-    deck = folder / Path(about_run(folder)["source"]).name
+    deck = folder / deck_name(folder)
     if not deck.is_file():
         raise InputError(f"{folder} has no {deck.name}: the run has not ended yet.")
     return deck
@@ -52,7 +57,7 @@ def is_written_deck(path: Path) -> bool:
     folder = path.parent
     if not all((folder / name).is_file() for name in (CONFIG, RUN, RESULT)):
         return False
-    return Path(about_run(folder)["source"]).name == path.name
+    return deck_name(folder) == path.name
 
 
 def assessment_of_run(folder: Path) -> Assessment:

@@ -118,7 +118,7 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
 
 
 def _report_text(job: Job, mesh: ShellMesh) -> str:
-    return f"{job.assessment.text()}\n\n{job.quality(mesh).table()}\n"
+    return f"{job.assessment.text()}\n\n{job.quality(mesh).table()}"
 
 
 def write_text(path: Path, text: str) -> None:

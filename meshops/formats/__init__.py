@@ -40,6 +40,9 @@ class Deck(Protocol):
     def check_room(self) -> None:
         """Raise InputError where there are not enough ids left for what a run may make anew."""
 
+    def region_name(self, region: int) -> str:
+        """Return what the file calls a region of the mesh: its property or its sets."""
+
     def select(self, text: str) -> Bools:
         """Return which elements a user names, (M,) bool: a property, a set, a region or ids.
 

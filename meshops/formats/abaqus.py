@@ -101,6 +101,10 @@ class AbaqusDeck:
         check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID)
         check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID)
 
+    def region_name(self, region: int) -> str:
+        """Return the sets that the elements of a region of the mesh are in."""
+        return ", ".join(sorted(self._regions[region].sets - {""}))
+
     def select(self, text: str) -> Bools:
         """Return which elements a user names, (M,) bool: an ELSET or ids.
 

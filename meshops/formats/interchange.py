@@ -45,12 +45,16 @@ class InterchangeFile:
     def check_room(self) -> None:
         """Do nothing: places in the file are the ids."""
 
+    def region_name(self, region: int) -> str:
+        """Return the name of a region of the mesh: `REGION n`."""
+        return f"REGION {region}"
+
     def select(self, text: str) -> Bools:
         """Return which elements a user names, (M,) bool: `REGION n` or ids.
 
         Raises InputError where that is nothing of the mesh.
         """
-        labels = [f"REGION {region}" for region in self.mesh.region.tolist()]
+        labels = [self.region_name(region) for region in self.mesh.region.tolist()]
         return select(self.mesh, text, by_label(labels))
 
     def numbered(self, mesh: ShellMesh) -> ShellMesh:

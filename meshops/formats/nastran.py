@@ -69,13 +69,16 @@ class NastranDeck:
         check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID)
         check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID)
 
+    def region_name(self, region: int) -> str:
+        """Return the property of a region of the mesh: `PID n`."""
+        return f"PID {self.regions[region].pid}"
+
     def select(self, text: str) -> Bools:
         """Return which elements a user names, (M,) bool: `PID n`, `SET n` or ids.
 
         Raises InputError where that is nothing of the mesh.
         """
-        names = [f"PID {self.regions[region].pid}" for region in self.mesh.region]
-        named = by_label(names)
+        named = by_label([self.region_name(region) for region in self.mesh.region])
         for number, ids in sections.case_sets(self.sources).items():
             named[f"SET {number}"] = ids.mask(self.mesh.element_ids)
         return select(self.mesh, text, named)

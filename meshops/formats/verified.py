@@ -11,7 +11,7 @@ from meshops.errors import HarmError, InputError
 from meshops.formats import Deck, read_deck
 from meshops.formats.difference import deck_corners
 from meshops.formats.output import refuse_to_overwrite
-from meshops.mesh import NO_NODE, Ids, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Ids, ShellMesh
 from meshops.quality import median_edge
 
 Verify = Callable[[ShellMesh, ShellMesh], tuple[str, ...]]
@@ -80,20 +80,20 @@ def write_verified(
 
 def _faults(deck: Deck, mesh: ShellMesh, written: Path, verify: Verify) -> tuple[str, ...]:
     try:
-        again = read_deck(written).mesh
+        again = read_deck(written)
     except InputError as error:
         return (f"it cannot be read ({str(error).rstrip('.')})",)
     if written.suffix.lower() != deck.files[0].suffix.lower() or written.suffix.lower() == ".stl":
         return ()  # a file of another format has ids of its own, and of triangles none
-    found = differences(deck.numbered(mesh), again)
-    return found or verify(deck.mesh, again)
+    model = deck.numbered(mesh)
+    found = differences(model, again.mesh) or _other_regions(deck, model, again)
+    return found or verify(deck.mesh, again.mesh)
 
 
 def differences(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
     """Say in what a mesh that was read again differs from its model, by their deck ids.
 
-    Nodes that no element uses are left aside, and so are the names of regions: elements are in
-    one region here that are in one region there.
+    Nodes that no element uses are left aside, and so are regions.
     """
     found = [
         *_other_ids("node", model.node_ids[_used(model)], again.node_ids[_used(again)]),
@@ -107,8 +107,7 @@ def differences(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
     if other.any():
         ids = again.element_ids[rows][other]
         return (f"{_named('element', ids)} on other nodes than in the model",)
-    found += _moved_nodes(model, again)
-    return tuple(found + _mixed_regions(model.region[places], again, rows))
+    return tuple(_moved_nodes(model, again))
 
 
 def _moved_nodes(model: ShellMesh, again: ShellMesh) -> list[str]:
@@ -120,13 +119,14 @@ def _moved_nodes(model: ShellMesh, again: ShellMesh) -> list[str]:
     return [f"{_named('node', model.node_ids[here][moved])} elsewhere"] if moved.any() else []
 
 
-def _mixed_regions(region: Ints, again: ShellMesh, rows: Ids) -> list[str]:
-    """Elements of several regions of the model that are in one region of what was read."""
-    pairs = np.unique(np.stack([again.region[rows], region]), axis=1)
-    labels, counts = np.unique(pairs[0], return_counts=True)
-    mixed = np.isin(again.region[rows], labels[counts > 1])
-    ids = again.element_ids[rows][mixed]
-    return [f"{_named('element', ids)} of several properties in one"] if len(ids) else []
+def _other_regions(deck: Deck, model: ShellMesh, again: Deck) -> tuple[str, ...]:
+    """Elements that are called otherwise than in the model: of another property, in other sets."""
+    rows, places = _sorted(again.mesh.element_ids), _sorted(model.element_ids)
+    pairs = np.stack([model.region[places], again.mesh.region[rows]], axis=1)
+    kinds, kind = np.unique(pairs, axis=0, return_inverse=True)
+    other = [deck.region_name(a) != again.region_name(b) for a, b in kinds.tolist()]
+    ids = model.element_ids[places][np.array(other, bool)[kind.reshape(-1)]]
+    return (f"{_named('element', ids)} of another property or in other sets",) if len(ids) else ()
 
 
 def _other_ids(noun: str, model: Ids, again: Ids) -> list[str]:
