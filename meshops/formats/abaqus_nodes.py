@@ -1,0 +1,269 @@
+"""What the nodes of an Abaqus deck have, and how it is written for new ones.
+
+A node has facts (a support, a temperature: what data lines say of it or of a set that it is in) and
+places in sets. Facts, and places in sets that a keyword uses as a whole, part the mesh: what the
+nodes of an element share is had by a node that is born in it (``node_attributes``). All other sets
+are followed where they can be: a new node joins where all nodes around it are members.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from meshops.formats.abaqus_scopes import Scope
+from meshops.formats.abaqus_sets import NamedSet, NamedSets
+from meshops.formats.abaqus_uses import Policy, Row, Uses, cards_of
+from meshops.formats.ids import is_id
+from meshops.formats.node_attributes import Membership, Memberships
+from meshops.formats.splice import Splice
+from meshops.mesh import NO_NODE, Bools, Ids, ShellMesh
+
+
+@dataclass(eq=False)
+class NodeAttributes:
+    """Facts and places of the nodes of a mesh.
+
+    Attributes
+    ----------
+    memberships : list of N frozensets of Membership
+        What parts the mesh; the kind of a membership is ``("NSET", identity)`` or that of a fact.
+    rows : dict of Membership to list of Row
+        The data lines that give a fact.
+    templates : dict of Membership to (Row, str)
+        A line like which another can be written, and the instance that stands before its ids.
+    facts_of_set : dict of str to frozenset of Membership
+        What a place in a set brings with it, by the identity of the set.
+    followed : dict of str to (N,) bool
+        Members of the sets that part nothing and that new nodes may join.
+    locked : dict of str to (N,) bool
+        Nodes that stay, by what keeps them.
+    cards : dict of Membership to str
+        What gives it, for a reader.
+    """
+
+    memberships: list[Memberships]
+    rows: dict[Membership, list[Row]] = field(default_factory=dict)
+    templates: dict[Membership, tuple[Row, str]] = field(default_factory=dict)
+    facts_of_set: dict[str, Memberships] = field(default_factory=dict)
+    followed: dict[str, Bools] = field(default_factory=dict)
+    locked: dict[str, Bools] = field(default_factory=dict)
+    cards: dict[Membership, str] = field(default_factory=dict)
+
+
+def node_attributes(
+    mesh: ShellMesh, sets: NamedSets, members: Mapping[str, Bools], uses: Uses, scope: Scope
+) -> NodeAttributes:
+    """Find what each node has.
+
+    Parameters
+    ----------
+    members : mapping of str to (N,) bool
+        Of each set, by its identity.
+    """
+    found = NodeAttributes([])
+    own: list[set[Membership]] = [set() for _ in mesh.node_ids]
+    _read_facts(found, own, mesh, sets, members, uses.node_rows, scope)
+    for item in sets:
+        policies = _policies(item, sets, uses, scope)
+        mask = members[item.identity]
+        rows = np.flatnonzero(mask)
+        name = f"NSET {item.name}"
+        if item.name == "LOCKED" or "apart" in policies:
+            found.locked[name] = found.locked.get(name, False) | mask
+        if policies & {"shared", "unknown"}:
+            grows = policies <= {"shared", "output"}
+            place = Membership(("NSET", item.identity), can_grow=grows, can_shrink=grows)
+            found.cards[place] = name
+            for row in rows.tolist():
+                own[row].add(place)
+            continue
+        if "output" in policies:
+            found.locked[name] = found.locked.get(name, False) | (mask & ~_inside(mesh, mask))
+        if "apart" not in policies:
+            found.followed[item.identity] = mask
+    found.memberships = [frozenset(mine) for mine in own]
+    return found
+
+
+def _read_facts(
+    found: NodeAttributes,
+    own: Sequence[set[Membership]],
+    mesh: ShellMesh,
+    sets: NamedSets,
+    members: Mapping[str, Bools],
+    rows: Iterable[Row],
+    scope: Scope,
+) -> None:
+    """Give each node the last fact of each kind that the rows tell of it."""
+    row_of_node = {node: row for row, node in enumerate(mesh.node_ids.tolist())}
+    latest: list[dict[tuple[str, ...], Membership]] = [{} for _ in own]
+    in_sets: dict[str, dict[tuple[str, ...], Membership]] = defaultdict(dict)
+    for row in rows:
+        fact = Membership(row.fact.kind, row.fact.value)
+        found.rows.setdefault(fact, []).append(row)
+        found.cards.setdefault(fact, cards_of(row))
+        if is_id(row.subject):
+            found.templates[fact] = (row, row.instance)
+            subjects = [row_of_node[int(row.subject)]] if int(row.subject) in row_of_node else []
+        else:
+            named = [item for item in sets if _means(scope, row, item)]
+            subjects = [i for item in named for i in np.flatnonzero(members[item.identity])]
+            for item in (other for parent in named for other in sets.within(parent)):
+                in_sets[item.identity][fact.kind] = fact
+                found.templates.setdefault(fact, (row, row.instance or item.instance))
+        for i in subjects:
+            latest[i][fact.kind] = fact
+    for mine, facts in zip(own, latest, strict=True):
+        mine.update(facts.values())
+    found.facts_of_set = {name: frozenset(facts.values()) for name, facts in in_sets.items()}
+
+
+def _means(scope: Scope, row: Row, item: NamedSet) -> bool:
+    return scope.means(row.token, row.block, scope=item.scope, name=item.name)
+
+
+def _policies(item: NamedSet, sets: NamedSets, uses: Uses, scope: Scope) -> set[Policy]:
+    """How keywords use a set, or a set that takes it in."""
+    parents = [other for other in sets if item in sets.within(other)]
+    return {
+        use.policy
+        for use in uses.set_uses
+        for other in parents
+        if scope.means(use.token, use.block, scope=other.scope, name=other.name)
+    }
+
+
+def _inside(mesh: ShellMesh, members: Bools) -> Bools:
+    """Nodes around which all elements have only members."""
+    corners = np.where(mesh.elements == NO_NODE, mesh.elements[:, :1], mesh.elements)
+    inside = np.ones(len(members), bool)
+    inside[mesh.elements[mesh.elements != NO_NODE]] = True
+    inside[corners[~members[corners].all(axis=1)]] = False
+    return inside
+
+
+# --- writing ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class NewNodes:
+    """What is written for the new nodes of an edited mesh.
+
+    Attributes
+    ----------
+    joining : dict of str to list of int
+        Ids by the identity of the set that they join.
+    facts : dict of Membership to list of int
+        Ids by the fact that no set brings them.
+    """
+
+    joining: dict[str, list[int]]
+    facts: dict[Membership, list[int]]
+
+
+def new_nodes(
+    attributes: NodeAttributes,
+    got: Mapping[int, Memberships],
+    followed: Mapping[int, frozenset[str]],
+    node_ids: Ids,
+) -> NewNodes:
+    """Decide which sets the new nodes join and which facts they need lines for.
+
+    Parameters
+    ----------
+    got
+        What the region of each new node gives it, by its row.
+    followed
+        Identities of the followed sets that all nodes around it are in.
+    """
+    joining: dict[str, list[int]] = defaultdict(list)
+    facts: dict[Membership, list[int]] = defaultdict(list)
+    for row, mine in sorted(got.items()):
+        node = int(node_ids[row])
+        places = {item.kind[1] for item in mine if _is_place(item)}
+        needed = {item for item in mine if not _is_place(item)}
+        joined = {
+            name
+            for name in places | followed.get(row, frozenset())
+            if attributes.facts_of_set.get(name, frozenset()) <= needed
+        } | places
+        lacking = needed - _facts_of(attributes, joined)
+        # a set of no other meaning brings a fact in fewer lines than a line for each node
+        for name, brought in attributes.facts_of_set.items():
+            if name in attributes.followed and brought & lacking and brought <= needed:
+                joined.add(name)
+                lacking -= brought
+        for name in joined:
+            joining[name].append(node)
+        for fact in lacking:
+            facts[fact].append(node)
+    return NewNodes(joining, facts)
+
+
+def followed_by_new_nodes(
+    mesh: ShellMesh, before: ShellMesh, followed: Mapping[str, Bools]
+) -> dict[int, frozenset[str]]:
+    """Find for each new node of an edited mesh the sets that all nodes around it are in, by row.
+
+    Nodes that have only new ones around them come after those, layer by layer.
+    """
+    names_of_old: dict[int, set[str]] = defaultdict(set)
+    for name, mask in followed.items():
+        for node in before.node_ids[mask].tolist():
+            names_of_old[node].add(name)
+    known: dict[int, frozenset[str]] = {
+        row: frozenset(names_of_old.get(node, ()))
+        for row, node in enumerate(mesh.node_ids.tolist())
+        if node
+    }
+    around: dict[int, set[int]] = defaultdict(set)
+    for corners in mesh.elements.tolist():
+        nodes = {node for node in corners if node != NO_NODE}
+        for node in nodes - known.keys():
+            around[node] |= nodes - {node}
+    waiting = set(around)
+    found: dict[int, frozenset[str]] = {}
+    while waiting:
+        layer = {
+            node: frozenset.intersection(*(known[other] for other in around[node] & known.keys()))
+            for node in waiting
+            if around[node] & known.keys()
+        }
+        if not layer:
+            break
+        known |= layer
+        found |= layer
+        waiting -= layer.keys()
+    return found
+
+
+def write_facts(
+    splice: Splice,
+    lines: Sequence[str],
+    attributes: NodeAttributes,
+    new: NewNodes,
+    gone: Iterable[int],
+) -> None:
+    """Take the lines of vanished nodes out, and give lines to the new ones that need them."""
+    vanished = set(gone)
+    for rows in attributes.rows.values():
+        for row in rows:
+            if is_id(row.subject) and int(row.subject) in vanished:
+                splice.drop([row.position])
+    for fact, nodes in sorted(new.facts.items(), key=repr):
+        row, instance = attributes.templates[fact]
+        line = lines[row.position].rstrip("\r\n")
+        texts = (line.replace(row.token, f"{instance}{node}", 1) for node in nodes)
+        splice.insert_after(row.position, texts)
+
+
+def _is_place(item: Membership) -> bool:
+    return isinstance(item.kind, tuple) and item.kind[0] == "NSET"
+
+
+def _facts_of(attributes: NodeAttributes, names: Iterable[str]) -> set[Membership]:
+    return {fact for name in names for fact in attributes.facts_of_set.get(name, ())}
