@@ -105,7 +105,7 @@ def read_nastran(path: Path) -> NastranDeck:
         Where a file is missing or not text, a card cannot be read, or the mesh fails the checks of
         ``checked_mesh``.
     """
-    sources = read_sources(path, sections.find_includes)
+    sources = read_sources(path, sections.find_includes, find_symbols=sections.find_symbols)
     case, bulk = sections.bulk_start(sources)
     contents = sort_cards(sources, bulk)
     references = contents.references

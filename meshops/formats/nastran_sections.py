@@ -10,6 +10,7 @@ from meshops.formats.ids import IdSet
 from meshops.formats.sources import Sources, Statement
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?:\s*=\s*|\s+|(?=['\"]))(.*)", re.IGNORECASE | re.DOTALL)
+_ASSIGN = re.compile(r"\s*ASSIGN\s+(\w+)\s*=\s*(?:'([^']*)'|([^\s,']+))", re.IGNORECASE)
 _BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
 _CEND = re.compile(r"\s*CEND\b", re.IGNORECASE)
 _SET = re.compile(r"\s*SET\s+(\d+)\s*=\s*(.*)", re.IGNORECASE | re.DOTALL)
@@ -35,6 +36,18 @@ def find_includes(lines: Sequence[str]) -> list[Statement]:
             written, stop = _path(lines, stop, match[1].strip())
             found.append(Statement(i, stop, written))
         i = stop
+    return found
+
+
+def find_symbols(lines: Sequence[str]) -> dict[str, str]:
+    """Logical names that ASSIGN statements give to folders, in capitals."""
+    found = {}
+    for line in lines:
+        match = _ASSIGN.match(line) if line.lstrip()[:1] in ("A", "a") else None
+        if match:
+            found[match[1].upper()] = match[2] or match[3]
+        elif _BEGIN.match(line):
+            break
     return found
 
 
