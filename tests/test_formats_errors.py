@@ -82,8 +82,8 @@ def test_nastran(tmp_path, text, words):
         (NODES + "*NGEN\n1,4\n" + SHELL, "line 6: *NGEN is not read"),
         (NODES + "2,5,5,5\n" + SHELL, "line 6: node 2 is defined a second time"),
         (
-            f"*PART, NAME=a\n{NODES}{SHELL}*END PART\n*PART, NAME=b\n{NODES}{SHELL}*END PART\n",
-            "line 16: there are shells in more than one part",
+            f"*PART, NAME=a\n{NODES}{SHELL}*END PART\n*PART, NAME=b\n{NODES}{SHELL}7,1,2,3,4\n",
+            "line 18: element 7 is defined a second time",
         ),
         (NODES + "*INCLUDE, INPUT=none.inp\n", "line 6: the included file 'none.inp' does not"),
     ],

@@ -55,6 +55,11 @@ class Block(NamedTuple):
         return (self.data or self.header)[-1]
 
     @property
+    def end(self) -> int:
+        """Position after which another keyword can stand: data of a file of its own go on there."""
+        return self.header[-1] if "INPUT" in self.parameters else self.last
+
+    @property
     def is_generated(self) -> bool:
         """Whether its lines are first, last and step of ranges."""
         return any(len(name) > 2 and "GENERATE".startswith(name) for name in self.parameters)
@@ -121,7 +126,7 @@ def blocks(lines: Sequence[str]) -> list[Block]:
 
 
 def find_includes(lines: Sequence[str]) -> list[Statement]:
-    """Statements of ``*INCLUDE, INPUT=`` and of other keywords whose INPUT is a part of the deck."""
+    """Statements of *INCLUDE, and of other keywords whose INPUT is a part of the deck."""
     found = []
     for i, line in enumerate(lines):
         text = line.lstrip()

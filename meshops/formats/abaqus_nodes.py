@@ -9,8 +9,9 @@ are followed where they can be: a new node joins where all nodes around it are m
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,12 @@ from meshops.formats.splice import Splice
 from meshops.mesh import NO_NODE, Bools, Ids, ShellMesh
 
 
+class Place(NamedTuple):
+    """A place in the set of an identity."""
+
+    identity: str
+
+
 @dataclass(eq=False)
 class NodeAttributes:
     """Facts and places of the nodes of a mesh.
@@ -30,7 +37,7 @@ class NodeAttributes:
     Attributes
     ----------
     memberships : list of N frozensets of Membership
-        What parts the mesh; the kind of a membership is ``("NSET", identity)`` or that of a fact.
+        What parts the mesh; the kind of a membership is a ``Place`` or that of a fact.
     rows : dict of Membership to list of Row
         The data lines that give a fact.
     templates : dict of Membership to (Row, str)
@@ -41,6 +48,8 @@ class NodeAttributes:
         Members of the sets that part nothing and that new nodes may join.
     locked : dict of str to (N,) bool
         Nodes that stay, by what keeps them.
+    apart : set of str
+        Identities of the sets that new nodes must not join.
     cards : dict of Membership to str
         What gives it, for a reader.
     """
@@ -51,6 +60,7 @@ class NodeAttributes:
     facts_of_set: dict[str, Memberships] = field(default_factory=dict)
     followed: dict[str, Bools] = field(default_factory=dict)
     locked: dict[str, Bools] = field(default_factory=dict)
+    apart: set[str] = field(default_factory=set)
     cards: dict[Membership, str] = field(default_factory=dict)
 
 
@@ -67,23 +77,26 @@ def node_attributes(
     found = NodeAttributes([])
     own: list[set[Membership]] = [set() for _ in mesh.node_ids]
     _read_facts(found, own, mesh, sets, members, uses.node_rows, scope)
+    nobody = np.zeros(len(mesh.node_ids), bool)
     for item in sets:
         policies = _policies(item, sets, uses, scope)
         mask = members[item.identity]
         rows = np.flatnonzero(mask)
         name = f"NSET {item.name}"
         if item.name == "LOCKED" or "apart" in policies:
-            found.locked[name] = found.locked.get(name, False) | mask
+            found.locked[name] = found.locked.get(name, nobody) | mask
         if policies & {"shared", "unknown"}:
             grows = policies <= {"shared", "output"}
-            place = Membership(("NSET", item.identity), can_grow=grows, can_shrink=grows)
+            place = Membership(Place(item.identity), can_grow=grows, can_shrink=grows)
             found.cards[place] = name
             for row in rows.tolist():
                 own[row].add(place)
             continue
         if "output" in policies:
-            found.locked[name] = found.locked.get(name, False) | (mask & ~_inside(mesh, mask))
-        if "apart" not in policies:
+            found.locked[name] = found.locked.get(name, nobody) | (mask & ~_in_areas(mesh, mask))
+        if "apart" in policies:
+            found.apart.add(item.identity)
+        else:
             found.followed[item.identity] = mask
     found.memberships = [frozenset(mine) for mine in own]
     return found
@@ -100,8 +113,8 @@ def _read_facts(
 ) -> None:
     """Give each node the last fact of each kind that the rows tell of it."""
     row_of_node = {node: row for row, node in enumerate(mesh.node_ids.tolist())}
-    latest: list[dict[tuple[str, ...], Membership]] = [{} for _ in own]
-    in_sets: dict[str, dict[tuple[str, ...], Membership]] = defaultdict(dict)
+    latest: list[dict[Hashable, Membership]] = [{} for _ in own]
+    in_sets: dict[str, dict[Hashable, Membership]] = defaultdict(dict)
     for row in rows:
         fact = Membership(row.fact.kind, row.fact.value)
         found.rows.setdefault(fact, []).append(row)
@@ -111,7 +124,9 @@ def _read_facts(
             subjects = [row_of_node[int(row.subject)]] if int(row.subject) in row_of_node else []
         else:
             named = [item for item in sets if _means(scope, row, item)]
-            subjects = [i for item in named for i in np.flatnonzero(members[item.identity])]
+            subjects = [
+                i for item in named for i in np.flatnonzero(members[item.identity]).tolist()
+            ]
             for item in (other for parent in named for other in sets.within(parent)):
                 in_sets[item.identity][fact.kind] = fact
                 found.templates.setdefault(fact, (row, row.instance or item.instance))
@@ -137,13 +152,12 @@ def _policies(item: NamedSet, sets: NamedSets, uses: Uses, scope: Scope) -> set[
     }
 
 
-def _inside(mesh: ShellMesh, members: Bools) -> Bools:
-    """Nodes around which all elements have only members."""
+def _in_areas(mesh: ShellMesh, members: Bools) -> Bools:
+    """Members of elements that have only members; the others are points and lines of a set."""
     corners = np.where(mesh.elements == NO_NODE, mesh.elements[:, :1], mesh.elements)
-    inside = np.ones(len(members), bool)
-    inside[mesh.elements[mesh.elements != NO_NODE]] = True
-    inside[corners[~members[corners].all(axis=1)]] = False
-    return inside
+    found = np.zeros(len(members), bool)
+    found[corners[members[corners].all(axis=1)]] = True
+    return found
 
 
 # --- writing ----------------------------------------------------------------------------------
@@ -184,8 +198,8 @@ def new_nodes(
     facts: dict[Membership, list[int]] = defaultdict(list)
     for row, mine in sorted(got.items()):
         node = int(node_ids[row])
-        places = {item.kind[1] for item in mine if _is_place(item)}
-        needed = {item for item in mine if not _is_place(item)}
+        places = {item.kind.identity for item in mine if isinstance(item.kind, Place)}
+        needed = {item for item in mine if not isinstance(item.kind, Place)}
         joined = {
             name
             for name in places | followed.get(row, frozenset())
@@ -259,10 +273,6 @@ def write_facts(
         line = lines[row.position].rstrip("\r\n")
         texts = (line.replace(row.token, f"{instance}{node}", 1) for node in nodes)
         splice.insert_after(row.position, texts)
-
-
-def _is_place(item: Membership) -> bool:
-    return isinstance(item.kind, tuple) and item.kind[0] == "NSET"
 
 
 def _facts_of(attributes: NodeAttributes, names: Iterable[str]) -> set[Membership]:

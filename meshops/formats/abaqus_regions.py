@@ -120,7 +120,7 @@ def find_regions(
     """Find the distinct regions, and the number of the one of each element, (M,) int32."""
     listed: list[set[str]] = [set() for _ in element_ids]
     for item in elsets:
-        for row in np.flatnonzero(item.numbers.mask(element_ids)):
+        for row in np.flatnonzero(item.numbers.mask(element_ids)).tolist():
             listed[row].add(item.identity)
     nothing: frozenset[Fact] = frozenset()
     keys = [
@@ -137,13 +137,12 @@ def find_regions(
     for kind, key in zip(kinds, keys, strict=True):
         beside[key][kind] += 1
     numbers: dict[Region, int] = {}
-    known: dict[tuple[str, object], int] = {}
-    region = np.zeros(len(keys), np.int32)
-    for row, (kind, key) in enumerate(zip(kinds, keys, strict=True)):
-        if (kind, key) not in known:
-            item = Region(*pair(kind, beside[key], in_deck), *key)
-            known[kind, key] = numbers.setdefault(item, len(numbers))
-        region[row] = known[kind, key]
+    number_of: dict[object, int] = {}
+    for kind, (elset, names, said) in dict.fromkeys(zip(kinds, keys, strict=True)):
+        key = (elset, names, said)
+        mine = Region(*pair(kind, beside[key], in_deck), elset, names, said)
+        number_of[kind, key] = numbers.setdefault(mine, len(numbers))
+    region = np.array([number_of[item] for item in zip(kinds, keys, strict=True)], np.int32)
     return list(numbers), region
 
 

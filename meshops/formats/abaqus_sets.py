@@ -127,7 +127,8 @@ class NamedSets:
         return {item.identity: self._with_children(item, own) for item in self}
 
     def _with_children(self, item: NamedSet, own: Mapping[str, Bools]) -> Bools:
-        return np.logical_or.reduce([own[other.identity] for other in self.within(item)])
+        mask: Bools = np.logical_or.reduce([own[other.identity] for other in self.within(item)])
+        return mask
 
     def within(self, item: NamedSet) -> list[NamedSet]:
         """Find the set itself and all that it takes in, directly or not."""
@@ -165,9 +166,7 @@ class NamedSets:
                 last = item.lists[-1]
                 splice.insert_after(last.last, [header_of(self.kind, last), *set_rows(_texts(new))])
 
-    def _write_list(
-        self, splice: Splice, block: Block, gone: Ids, new: Sequence[int]
-    ) -> None:
+    def _write_list(self, splice: Splice, block: Block, gone: Ids, new: Sequence[int]) -> None:
         keep = self._kept_range if block.is_generated else _kept_tokens
         empty = bool(block.data)
         for position in block.data:

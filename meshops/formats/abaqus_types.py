@@ -1,8 +1,8 @@
 """The element types of Abaqus and CalculiX that are elements of the mesh here, and their partners.
 
-Conventional shells, membranes, and plane and axisymmetric elements: all that is linear and has three
-or four corners. A quad that becomes a tria, and a tria that becomes a quad, needs the type of the
-other number of corners.
+Conventional shells, membranes, and plane and axisymmetric elements: all that is linear and has
+three or four corners. A quad that becomes a tria, and a tria that becomes a quad, needs the type of
+the other number of corners.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 _FAMILIES: Mapping[str, str] = {
-    "shell": """S4 S3; S4R S3 S3R; S4RS S3RS; S4RSW S3RS; S4R5 STRI3; S4T S3T; S4RT S3RT; DS4 DS3""",
+    "shell": "S4 S3; S4R S3 S3R; S4RS S3RS; S4RSW S3RS; S4R5 STRI3; S4T S3T; S4RT S3RT; DS4 DS3",
     "membrane": "M3D4 M3D3; M3D4R M3D3",
     "plane stress": "CPS4 CPS3; CPS4R CPS3; CPS4I CPS3; CPS4T CPS3T; CPS4RT CPS3T",
     "plane strain": """CPE4 CPE3; CPE4R CPE3; CPE4I CPE3; CPE4H CPE3H; CPE4RH CPE3H; CPE4IH CPE3H;
