@@ -186,6 +186,6 @@ def test_cylindrical_nodes_and_input_files(tmp_path, deck):
 def test_nodes_of_a_used_set_are_locked_where_new_ones_would_not_join(deck):
     nodes = NODES.splitlines(keepends=True)
     two = FLAT.replace(NODES, "".join(nodes[:4]) + "*NODE, NSET=rest\n" + "".join(nodes[4:]))
-    assert not deck(two.replace("*Node Output, nset=all\nU,\n", ")).mesh.locked_nodes.any()
+    assert not deck(two.replace("*Node Output, nset=all\nU,\n", "")).mesh.locked_nodes.any()
     mesh = deck(two + "*BOUNDARY\nALL, 1\n").mesh
     assert mesh.node_ids[mesh.locked_nodes].tolist() == [11, 12, 13, 14]

@@ -120,11 +120,11 @@ def write_elements(
         # the files that it names stay, without elements
         if not left[block.header[0]] and "INPUT" not in block.parameters:
             splice.drop(block.header)
-    names = _written_names(shells.distinct_blocks)
+    in_set = _written_sets(shells.distinct_blocks)
     rows = [
         text
         for (kind, elset), texts in added.items()
-        for text in (f"*ELEMENT, TYPE={kind}" + f", ELSET={names[elset]}" * bool(elset), *texts)
+        for text in (f"*ELEMENT, TYPE={kind}{in_set[elset]}", *texts)
     ]
     splice.insert_after(shells.last.end, rows)
 
@@ -142,10 +142,10 @@ def _write_old_nodes(splice: Splice, nodes: Items, mesh: ShellMesh, change: Diff
             splice.replace(record.lines, [node_row(node, local[:count], record.values[4:])])
 
 
-def _written_names(blocks: Sequence[Block]) -> dict[str, str]:
-    """Names of sets as their first *ELEMENT writes them, by their keys."""
-    return {
-        block.parameters["ELSET"]: block.written["ELSET"]
-        for block in reversed(blocks)
-        if "ELSET" in block.parameters
-    }
+def _written_sets(blocks: Sequence[Block]) -> dict[str, str]:
+    """', ELSET=name' as the first *ELEMENT of a set writes it, by the key of the name."""
+    found = {"": ""}
+    for block in blocks:
+        if block.parameters.get("ELSET"):
+            found.setdefault(block.parameters["ELSET"], f", ELSET={block.written['ELSET']}")
+    return found
