@@ -21,7 +21,7 @@ from meshops.formats.abaqus_uses import Policy, Row, Uses, cards_of
 from meshops.formats.ids import is_id
 from meshops.formats.node_attributes import Membership, Memberships
 from meshops.formats.splice import Splice
-from meshops.mesh import NO_NODE, Bools, Ids, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Ids, ShellMesh
 
 
 class Place(NamedTuple):
@@ -229,29 +229,30 @@ def followed_by_new_nodes(
     for name, mask in followed.items():
         for node in before.node_ids[mask].tolist():
             names_of_old[node].add(name)
-    known: dict[int, frozenset[str]] = {
-        row: frozenset(names_of_old.get(node, ()))
-        for row, node in enumerate(mesh.node_ids.tolist())
-        if node
-    }
+    is_new = np.append(mesh.node_ids == NEW, False)
     around: dict[int, set[int]] = defaultdict(set)
-    for corners in mesh.elements.tolist():
-        nodes = {node for node in corners if node != NO_NODE}
-        for node in nodes - known.keys():
-            around[node] |= nodes - {node}
-    waiting = set(around)
+    for corners in mesh.elements[is_new[mesh.elements].any(axis=1)].tolist():
+        nodes = [node for node in corners if node != NO_NODE]
+        for node in nodes:
+            around[node].update(nodes)
+    known = {
+        row: frozenset(names_of_old.get(int(mesh.node_ids[row]), ()))
+        for row in around
+        if not is_new[row]
+    }
     found: dict[int, frozenset[str]] = {}
+    waiting = around.keys() - known.keys()
     while waiting:
-        layer = {
-            node: frozenset.intersection(*(known[other] for other in around[node] & known.keys()))
-            for node in waiting
-            if around[node] & known.keys()
-        }
+        layer = {}
+        for node in waiting:
+            beside = [known[other] for other in around[node] if other in known]
+            if beside:
+                layer[node] = frozenset.intersection(*beside)
         if not layer:
             break
         known |= layer
         found |= layer
-        waiting -= layer.keys()
+        waiting = waiting - layer.keys()
     return found
 
 
