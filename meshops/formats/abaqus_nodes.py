@@ -42,8 +42,10 @@ class NodeAttributes:
         The data lines that give a fact.
     templates : dict of Membership to (Row, str)
         A line like which another can be written, and the instance that stands before its ids.
-    facts_of_set : dict of str to frozenset of Membership
+    brought : dict of str to frozenset of Membership
         What a place in a set brings with it, by the identity of the set.
+    inside : dict of str to set of str
+        Identities of the sets that a set takes in.
     followed : dict of str to (N,) bool
         Members of the sets that part nothing and that new nodes may join.
     locked : dict of str to (N,) bool
@@ -57,7 +59,8 @@ class NodeAttributes:
     memberships: list[Memberships]
     rows: dict[Membership, list[Row]] = field(default_factory=dict)
     templates: dict[Membership, tuple[Row, str]] = field(default_factory=dict)
-    facts_of_set: dict[str, Memberships] = field(default_factory=dict)
+    brought: dict[str, Memberships] = field(default_factory=dict)
+    inside: dict[str, set[str]] = field(default_factory=dict)
     followed: dict[str, Bools] = field(default_factory=dict)
     locked: dict[str, Bools] = field(default_factory=dict)
     apart: set[str] = field(default_factory=set)
@@ -75,31 +78,47 @@ def node_attributes(
         Of each set, by its identity.
     """
     found = NodeAttributes([])
+    found.inside = {
+        item.identity: {other.identity for other in sets.within(item)} - {item.identity}
+        for item in sets
+    }
     own: list[set[Membership]] = [set() for _ in mesh.node_ids]
-    _read_facts(found, own, mesh, sets, members, uses.node_rows, scope)
-    nobody = np.zeros(len(mesh.node_ids), bool)
+    brought = _read_facts(found, own, mesh, sets, members, uses.node_rows, scope)
     for item in sets:
-        policies = _policies(item, sets, uses, scope)
+        policies = _policies(item, uses, scope)
         mask = members[item.identity]
-        rows = np.flatnonzero(mask)
-        name = f"NSET {item.name}"
         if item.name == "LOCKED" or "apart" in policies:
-            found.locked[name] = found.locked.get(name, nobody) | mask
+            _lock(found, item, mask)
         if policies & {"shared", "unknown"}:
             grows = policies <= {"shared", "output"}
             place = Membership(Place(item.identity), can_grow=grows, can_shrink=grows)
-            found.cards[place] = name
-            for row in rows.tolist():
+            found.cards[place] = f"NSET {item.name}"
+            for row in np.flatnonzero(mask).tolist():
                 own[row].add(place)
-            continue
-        if "output" in policies:
-            found.locked[name] = found.locked.get(name, nobody) | (mask & ~_in_areas(mesh, mask))
+            for name in found.inside[item.identity]:
+                brought[name].add(place)
+        elif "output" in policies:
+            _lock(found, item, mask & ~_in_areas(mesh, mask))
         if "apart" in policies:
-            found.apart.add(item.identity)
-        else:
-            found.followed[item.identity] = mask
+            found.apart |= {item.identity, *found.inside[item.identity]}
+    hard = _places(found)
+    found.followed = {
+        item.identity: members[item.identity]
+        for item in sets
+        if item.identity not in found.apart and Place(item.identity) not in hard
+    }
+    found.brought = {name: frozenset(mine) for name, mine in brought.items()}
     found.memberships = [frozenset(mine) for mine in own]
     return found
+
+
+def _lock(found: NodeAttributes, item: NamedSet, mask: Bools) -> None:
+    name = f"NSET {item.name}"
+    found.locked[name] = found.locked[name] | mask if name in found.locked else mask
+
+
+def _places(found: NodeAttributes) -> set[Hashable]:
+    return {item.kind for item in found.cards if isinstance(item.kind, Place)}
 
 
 def _read_facts(
@@ -110,8 +129,14 @@ def _read_facts(
     members: Mapping[str, Bools],
     rows: Iterable[Row],
     scope: Scope,
-) -> None:
-    """Give each node the last fact of each kind that the rows tell of it."""
+) -> dict[str, set[Membership]]:
+    """Give each node the last fact of each kind that the rows tell of it.
+
+    Returns
+    -------
+    dict of str to set of Membership
+        The facts that each set brings, by its identity.
+    """
     row_of_node = {node: row for row, node in enumerate(mesh.node_ids.tolist())}
     latest: list[dict[Hashable, Membership]] = [{} for _ in own]
     in_sets: dict[str, dict[Hashable, Membership]] = defaultdict(dict)
@@ -134,21 +159,21 @@ def _read_facts(
             latest[i][fact.kind] = fact
     for mine, facts in zip(own, latest, strict=True):
         mine.update(facts.values())
-    found.facts_of_set = {name: frozenset(facts.values()) for name, facts in in_sets.items()}
+    brought: dict[str, set[Membership]] = defaultdict(set)
+    brought |= {name: set(facts.values()) for name, facts in in_sets.items()}
+    return brought
 
 
 def _means(scope: Scope, row: Row, item: NamedSet) -> bool:
     return scope.means(row.token, row.block, scope=item.scope, name=item.name)
 
 
-def _policies(item: NamedSet, sets: NamedSets, uses: Uses, scope: Scope) -> set[Policy]:
-    """How keywords use a set, or a set that takes it in."""
-    parents = [other for other in sets if item in sets.within(other)]
+def _policies(item: NamedSet, uses: Uses, scope: Scope) -> set[Policy]:
+    """How keywords use a set."""
     return {
         use.policy
         for use in uses.set_uses
-        for other in parents
-        if scope.means(use.token, use.block, scope=other.scope, name=other.name)
+        if scope.means(use.token, use.block, scope=item.scope, name=item.name)
     }
 
 
@@ -199,18 +224,20 @@ def new_nodes(
     for row, mine in sorted(got.items()):
         node = int(node_ids[row])
         places = {item.kind.identity for item in mine if isinstance(item.kind, Place)}
-        needed = {item for item in mine if not isinstance(item.kind, Place)}
-        joined = {
+        joined = places | {
             name
-            for name in places | followed.get(row, frozenset())
-            if attributes.facts_of_set.get(name, frozenset()) <= needed
-        } | places
-        lacking = needed - _facts_of(attributes, joined)
+            for name in followed.get(row, frozenset())
+            if attributes.brought.get(name, frozenset()) <= mine
+        }
+        lacking = {item for item in mine if not isinstance(item.kind, Place)}
+        lacking -= _brought(attributes, joined)
         # a set of no other meaning brings a fact in fewer lines than a line for each node
-        for name, brought in attributes.facts_of_set.items():
-            if name in attributes.followed and brought & lacking and brought <= needed:
+        for name, brought in attributes.brought.items():
+            if name in attributes.followed and brought & lacking and brought <= mine:
                 joined.add(name)
                 lacking -= brought
+        # who is in a set is in all that take it in
+        joined = {name for name in joined if not attributes.inside[name] & joined}
         for name in joined:
             joining[name].append(node)
         for fact in lacking:
@@ -276,5 +303,5 @@ def write_facts(
         splice.insert_after(row.position, texts)
 
 
-def _facts_of(attributes: NodeAttributes, names: Iterable[str]) -> set[Membership]:
-    return {fact for name in names for fact in attributes.facts_of_set.get(name, ())}
+def _brought(attributes: NodeAttributes, names: Iterable[str]) -> set[Membership]:
+    return {fact for name in names for fact in attributes.brought.get(name, ())}
