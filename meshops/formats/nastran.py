@@ -28,10 +28,11 @@ from meshops.formats.nastran_nodes import splice_sets
 from meshops.formats.nastran_part import Part, read_part
 from meshops.formats.nastran_replication import write_out
 from meshops.formats.nastran_shells import Attributes
-from meshops.formats.nastran_superelements import Union, attached
+from meshops.formats.nastran_superelements import attached
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
 from meshops.formats.suffixes import NASTRAN
+from meshops.formats.union import Union
 from meshops.mesh import ShellMesh
 
 _NAME_OTHER_SECTIONS = ("SE", "CSUPER", "CSUPEXT", "RELEASE")
