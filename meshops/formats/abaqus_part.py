@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshops.errors import InputError
 from meshops.formats.abaqus_blocks import Block, records
 from meshops.formats.abaqus_items import (
     Items,
@@ -40,9 +41,9 @@ from meshops.formats.abaqus_scopes import Scope
 from meshops.formats.abaqus_sets import NamedSets
 from meshops.formats.abaqus_uses import Fact, read_uses
 from meshops.formats.abaqus_writing import write_elements, write_first_lists, write_nodes
-from meshops.formats.checks import checked_mesh
+from meshops.formats.checks import checked_mesh, note_on, on_same_nodes, without_repeated_nodes
 from meshops.formats.difference import Difference, compare
-from meshops.formats.ids import IdSet
+from meshops.formats.ids import IdSet, free_ids
 from meshops.formats.locks import Lock
 from meshops.formats.node_attributes import (
     Memberships,
@@ -69,6 +70,7 @@ class Part:
     shared : list of frozenset of Membership
         What the nodes of each region have in common.
     locks : list of Lock
+    notes : list of str
     """
 
     mesh: ShellMesh
@@ -76,6 +78,7 @@ class Part:
     regions: list[Region]
     shared: list[Memberships]
     locks: list[Lock]
+    notes: list[str]
     _sources: Sources
     _nodes: Items
     _shells: Items
@@ -105,25 +108,35 @@ class Part:
         )
         new = new_nodes(
             self._attributes,
-            memberships_of_new_nodes(mesh, self.shared),
-            followed_by_new_nodes(mesh, self.mesh, self._attributes.followed),
+            memberships_of_new_nodes(change.mesh, self.shared),
+            followed_by_new_nodes(change.mesh, self.mesh, self._attributes.followed),
             change.node_ids,
         )
         gone = frozenset(change.gone_nodes.tolist())
-        joining = write_nodes(splice, self._nodes, mesh, change, new.joining)
+        joining = write_nodes(splice, self._nodes, change, new.joining)
         write_first_lists(splice, self._nodes, self._nsets, joining)
         self._nsets.write(splice, gone=gone, joining=joining)
         write_facts(splice, self._sources.stream, self._attributes, new, gone)
-        write_elements(splice, self._shells, mesh, change, self.regions)
-        self._write_memberships_of_elements(splice, mesh, change)
+        write_elements(splice, self._shells, change, self.regions)
+        self._write_memberships_of_elements(splice, change)
 
-    def _write_memberships_of_elements(
-        self, splice: Splice, mesh: ShellMesh, change: Difference
-    ) -> None:
+    def check_room(self) -> None:
+        """Raise InputError where there are not as many free ids as the mesh has nodes, elements."""
+        taken = (self._taken_nodes, self._taken_elements)
+        every = (self.mesh.node_ids, self.mesh.element_ids)
+        for what, ids, mine in zip(("nodes", "elements"), every, taken, strict=True):
+            free = free_ids(ids, mine, LARGEST_ID)
+            if free < len(ids):
+                raise InputError(
+                    f"The deck leaves {free:,} ids of {what} free up to {LARGEST_ID}, too few to "
+                    f"repair {len(ids):,} {what}: renumber it first."
+                )
+
+    def _write_memberships_of_elements(self, splice: Splice, change: Difference) -> None:
         lists: dict[str, list[int]] = defaultdict(list)
         facts: dict[Fact, list[int]] = defaultdict(list)
         for row in change.new_elements:
-            region = self.regions[mesh.region[row]]
+            region = self.regions[change.mesh.region[row]]
             element = int(change.element_ids[row])
             for name in region.lists:
                 lists[name].append(element)
@@ -150,7 +163,7 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
     shells = read_items([block for block in own if is_shell(block)], sources)
     nodes = read_items([block for block in own if block.keyword == "NODE"], sources)
     element_ids, node_ids = id_array(shells, sources), id_array(nodes, sources)
-    corners = corner_array(shells, sources)
+    corners, is_repeated = without_repeated_nodes(corner_array(shells, sources))
     elsets, nsets = NamedSets("ELSET", spoken, lines), NamedSets("NSET", spoken, lines)
     in_elsets = elsets.masks(element_ids, _ids_of_headers(shells, element_ids))
     facts = element_facts(
@@ -166,7 +179,9 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
     members = nsets.masks(plain.node_ids, _ids_of_headers(nodes, node_ids), of_elset)
     attributes = node_attributes(plain, nsets, members, uses, scope)
     common = share_memberships(plain.elements, plain.region, attributes.memberships)
+    same = on_same_nodes(plain.elements)
     locks = find_locks(plain, uses, facts, attributes, common, nsets, elsets, in_elsets)
+    locks.elements |= {"on the same nodes": same, "a node twice": is_repeated}
     locked_nodes, locked_elements = locks.masks(plain)
     return Part(
         mesh=ShellMesh.build(
@@ -182,6 +197,10 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
         regions=[regions[before] for before in common.before],
         shared=common.shared,
         locks=locks.told(),
+        notes=[
+            *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
+            *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),
+        ],
         _sources=sources,
         _nodes=nodes,
         _shells=shells,

@@ -16,13 +16,11 @@ from meshops.formats.abaqus_types import CORNERS
 from meshops.formats.coordinates import BASIC
 from meshops.formats.difference import Difference
 from meshops.formats.splice import Splice
-from meshops.mesh import ShellMesh
 
 
 def write_nodes(
     splice: Splice,
     nodes: Items,
-    mesh: ShellMesh,
     change: Difference,
     joining: Mapping[str, Sequence[int]],
 ) -> dict[str, list[int]]:
@@ -33,7 +31,7 @@ def write_nodes(
     dict of str to list of int
         Who still has to join a set, as ``joining`` by its identity.
     """
-    _write_old_nodes(splice, nodes, mesh, change)
+    _write_old_nodes(splice, nodes, change)
     homes = {
         identity_of("NSET", block): block
         for block in nodes.distinct_blocks
@@ -51,7 +49,7 @@ def write_nodes(
     # a keyword of its own comes after what is added to the block before it
     for start, rows in sorted(rows_of_block.items(), reverse=True):
         block = blocks.get(start)
-        points = (frame_of(block) if block else BASIC).from_basic(mesh.points[rows])
+        points = (frame_of(block) if block else BASIC).from_basic(change.mesh.points[rows])
         count = 2 if is_plane and not points[:, 2].any() else 3
         texts = [
             node_row(int(change.node_ids[row]), point[:count])
@@ -80,7 +78,6 @@ def write_first_lists(
 def write_elements(
     splice: Splice,
     shells: Items,
-    mesh: ShellMesh,
     change: Difference,
     regions: Sequence[Region],
 ) -> None:
@@ -89,7 +86,7 @@ def write_elements(
     Parameters
     ----------
     regions
-        Of the numbers in ``mesh.region``.
+        By the numbers of ``change.mesh.region``.
     """
     gone = set(change.gone_elements.tolist())
     ids, corners = change.element_ids.tolist(), change.corners
@@ -97,7 +94,7 @@ def write_elements(
     added: dict[tuple[str, str], list[str]] = {}
 
     def add(row: int) -> None:
-        region = regions[mesh.region[row]]
+        region = regions[change.mesh.region[row]]
         kind = region.quad if corners[row, 3] else region.tria
         added.setdefault((kind, region.elset), []).append(element_row(ids[row], corners[row]))
 
@@ -129,7 +126,7 @@ def write_elements(
     splice.insert_after(shells.last.end, rows)
 
 
-def _write_old_nodes(splice: Splice, nodes: Items, mesh: ShellMesh, change: Difference) -> None:
+def _write_old_nodes(splice: Splice, nodes: Items, change: Difference) -> None:
     gone = set(change.gone_nodes.tolist())
     moved = dict(zip(change.node_ids[change.moved].tolist(), change.moved, strict=True))
     for record, block in zip(nodes.records, nodes.blocks, strict=True):
@@ -137,7 +134,7 @@ def _write_old_nodes(splice: Splice, nodes: Items, mesh: ShellMesh, change: Diff
         if node in gone:
             splice.drop(record.lines)
         elif node in moved:
-            local = frame_of(block).from_basic(mesh.points[moved[node]][None])[0].tolist()
+            local = frame_of(block).from_basic(change.mesh.points[moved[node]][None])[0].tolist()
             count = 2 if len(record.values) == 3 and not local[2] else 3
             splice.replace(record.lines, [node_row(node, local[:count], record.values[4:])])
 
