@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from meshops.errors import InputError
 from meshops.formats.abaqus_blocks import Block, Record, records
+from meshops.formats.abaqus_types import CORNERS
 from meshops.formats.coordinates import BASIC, Frame, Kind
 from meshops.formats.fortran import real
 from meshops.formats.ids import is_id
 from meshops.formats.sources import Sources
 from meshops.mesh import Floats, Ids
-
-CORNERS = {
-    **{"S4": 4, "S3": 3, "S4R": 4, "S3R": 3, "S4RS": 4, "S3RS": 3},
-    **{"S4R5": 4, "STRI3": 3},
-}
-"""The element types that are elements here, and their numbers of nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +28,12 @@ class Items:
     @property
     def last(self) -> Block:
         """The block that comes last in the deck."""
-        return max(self.blocks, key=lambda block: block.last)
+        return max(self.distinct_blocks, key=lambda block: block.last)
+
+    @cached_property
+    def distinct_blocks(self) -> list[Block]:
+        """Every block once, in the order of the deck."""
+        return list({block.header[0]: block for block in self.blocks}.values())
 
 
 def element_type(block: Block) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from meshops.formats.abaqus_output import element_row, node_row, set_rows
 from meshops.formats.difference import deck_corners
 from meshops.formats.fortran import real_field
 from meshops.formats.ids import IdSet, with_new_ids
@@ -26,8 +27,8 @@ def write_mesh(
     """Write a mesh as a new file in the format of the suffix.
 
     A deck gets the nodes and shells: region r becomes property r, or set REGION_r; where regions
-    start below 1, they are counted from 1. What is locked is named by SET3 cards, or by a node set
-    and a surface, so that it is locked again when the deck is read.
+    start below 1, they are counted from 1. What is locked is named by SET3 cards, or by sets of the
+    name LOCKED, so that it is locked again when the deck is read.
 
     Parameters
     ----------
@@ -70,21 +71,16 @@ def _abaqus(mesh: ShellMesh) -> list[str]:
     node_ids, element_ids, corners, properties = _numbers(mesh)
     rows = ["*NODE"]
     for node, point in zip(node_ids.tolist(), mesh.points.tolist(), strict=True):
-        rows.append(", ".join([str(node), *map(repr, point)]))
-    kinds = np.where(mesh.is_tria, "S3R", "S4R")
+        rows.append(node_row(node, point))
     for pid in np.unique(properties):
-        for kind in ("S4R", "S3R"):
-            some = np.flatnonzero((properties == pid) & (kinds == kind))
+        for kind, wanted in (("S4R", False), ("S3", True)):
+            some = np.flatnonzero((properties == pid) & (mesh.is_tria == wanted))
             rows += [f"*ELEMENT, TYPE={kind}, ELSET=REGION_{pid}"] if len(some) else []
-            for element, nodes in zip(
-                element_ids[some].tolist(), corners[some].tolist(), strict=True
-            ):
-                rows.append(", ".join(str(value) for value in (element, *nodes) if value))
+            rows += map(element_row, element_ids[some].tolist(), corners[some].tolist())
     for kind, ids in _locked(mesh, node_ids, element_ids):
-        if len(ids) and kind == "nodes":
-            rows += ["*NSET, NSET=LOCKED", *(f"{node}," for node in ids)]
-        elif len(ids):
-            rows += ["*SURFACE, NAME=LOCKED, TYPE=ELEMENT", *(f"{e}, SPOS" for e in ids)]
+        name = ("NSET", "ELSET")[kind == "elements"]
+        if len(ids):
+            rows += [f"*{name}, {name}=LOCKED", *set_rows([str(number) for number in ids])]
     return rows
 
 

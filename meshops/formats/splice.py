@@ -187,6 +187,7 @@ class Splice:
             if places[number] == file.path:
                 continue
             folder = places[number].parent
+            first = {"beside": folder, "root": places[0].parent}[self._sources.search.order[0]]
             for statement, target in file.includes:
                 stays = places[target] == files[target].path
                 is_fixed = (
@@ -196,7 +197,7 @@ class Splice:
                 lead = self._lead(statement, folder, places[0].parent, places)
                 if is_fixed or lead == places[target]:
                     continue
-                new = str(places[target]) if stays else os.path.relpath(places[target], folder)
+                new = str(places[target]) if stays else os.path.relpath(places[target], first)
                 eol = self._file_eol(number)
                 span = range(statement.first, statement.stop)
                 rows = include_lines([file.lines[line] for line in span], new)

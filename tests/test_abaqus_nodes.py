@@ -1,0 +1,212 @@
+"""New nodes of an Abaqus deck have what the nodes around them share."""
+
+import numpy as np
+import pytest
+
+from meshops.edit import Edit, apply
+from meshops.formats import read_deck
+from tests.abaqus_reader import fanned, read_model, written
+
+# nodes 11 to 16 in the lowest of three rows, elements 1 to 5 below and 6 to 10 above
+NODES = {10 * j + i: f"{10 * j + i}, {i}., {j}., 0.\n" for j in (1, 2, 3) for i in range(1, 7)}
+ELEMENTS = "".join(
+    f"{5 * (j - 1) + i}, {10 * j + i}, {10 * j + i + 1}, {10 * j + i + 11}, {10 * j + i + 10}\n"
+    for j in (1, 2)
+    for i in range(1, 6)
+)
+PLAIN = "*NODE\n" + "".join(NODES.values()) + "*ELEMENT, TYPE=S4, ELSET=E\n" + ELEMENTS
+LEFT = [10 * j + i for j in (1, 2, 3) for i in (1, 2, 3)]
+RIGHT = [10 * j + i for j in (1, 2, 3) for i in (4, 5, 6)]
+ALL = sorted(NODES)
+
+
+def listed(ids):
+    return ", ".join(map(str, ids)) + "\n"
+
+
+@pytest.fixture
+def deck(tmp_path):
+    def make(text):
+        (tmp_path / "deck.inp").write_text(text)
+        return read_deck(tmp_path / "deck.inp")
+
+    return make
+
+
+def locked(mesh):
+    return mesh.node_ids[mesh.locked_nodes].tolist()
+
+
+def of_column(column):
+    return [column, column + 5]
+
+
+@pytest.mark.parametrize(
+    "definition",
+    [
+        "*NSET, NSET=A, GENERATE\n11, 16\n21, 26, 1\n31, 36\n",
+        "*Nset, gen, nset = a\n11, 36, 1\n",
+        f"*NSET, NSET=A\n{listed(ALL[:9])}{listed(ALL[9:])}",
+        f"*NSET, NSET=B\n{listed(ALL[:9])}*NSET, NSET=a\nB, {listed(ALL[9:])}",
+        "*NSET, NSET=A, ELSET=E\n",
+    ],
+)
+@pytest.mark.parametrize(
+    "use",
+    [
+        "",
+        "*TEMPERATURE\nA, 120.\n",
+        "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nA, 20.\n",
+        "*BOUNDARY\nA, 3, 5\n",
+        "*NODE PRINT, NSET=A\nU\n",
+        "*NODAL THICKNESS\nA, 1.5\n",
+        "*TRANSFORM, NSET=A\n0., 1., 0., -1., 0., 0.\n",
+    ],
+)
+def test_a_set_of_all_nodes_locks_nothing_and_gets_the_new_ones(deck, definition, use):
+    source = deck(PLAIN + definition + use)
+    assert not source.mesh.locked_nodes.any()
+    assert not source.mesh.locked_elements.any()
+    text = written(source, fanned(source.mesh, 2, 9))
+    model = read_model(text)
+    assert len(model.nodes) == 20
+    if "ELSET=E\n" not in definition:
+        assert model.nodes.keys() <= model.nsets["A"]
+    assert text.endswith(use)
+
+
+def test_a_header_of_nodes_takes_the_new_ones_in(deck):
+    first = "".join(NODES[node] for node in LEFT)
+    second = "".join(NODES[node] for node in RIGHT)
+    text = f"*NODE\n{second}*NODE, NSET=held\n{first}*ELEMENT, TYPE=S4\n{ELEMENTS}"
+    source = deck(text + "*BOUNDARY\nHELD, 3\n")
+    assert locked(source.mesh) == [13, 23, 33]
+    model = read_model(written(source, fanned(source.mesh, 1, 5)))
+    assert model.nsets["HELD"] - set(LEFT) == {37}
+    assert model.nodes[37] == [1.5, 1.5, 0.0]
+    assert model.nodes[38] == [5.5, 1.5, 0.0]
+
+
+def test_a_node_of_no_set_gets_a_block_of_its_own(deck):
+    source = deck(
+        PLAIN.replace("*NODE", "*NODE, NSET=N").replace("36, 6., 3., 0.\n", "*NODE\n36, 6, 3, 0\n")
+        + "*CLOAD\nN, 3, 1.\n"
+    )
+    assert len(locked(source.mesh)) == 17
+    text = written(source, fanned(source.mesh, 1))
+    assert "36, 6, 3, 0\n37, 1.5, 1.5, 0.0\n" in text
+    assert 37 not in read_model(text).nsets["N"]
+    source = deck(PLAIN.replace("*NODE", "*NODE, NSET=N") + "*CLOAD\nN, 3, 1.\n")
+    text = written(source, fanned(source.mesh, 1))
+    assert "*NODE\n37, 1.5, 1.5, 0.0\n*ELEMENT" in text
+
+
+def test_what_counts_once_for_each_node_is_not_had_by_new_ones(deck):
+    source = deck(PLAIN + f"*NSET, NSET=A\n{listed(ALL)}*CLOAD\nA, 3, 1.\n")
+    assert locked(source.mesh) == ALL
+    assert not source.mesh.locked_elements.any()
+    assert read_model(written(source, fanned(source.mesh, 1))).nsets["A"] == set(ALL)
+
+
+def test_nobody_is_born_where_it_would_be_loaded_and_held_by_one_set(deck):
+    text = PLAIN + f"*NSET, NSET=A\n{listed(LEFT)}*CLOAD\nA, 3, 1.\n*RIGID BODY, TIE NSET=A\n"
+    mesh = deck(text).mesh
+    assert locked(mesh) == LEFT
+    assert mesh.element_ids[mesh.locked_elements].tolist() == [1, 2, 6, 7]
+
+
+@pytest.mark.parametrize(
+    ("rows", "new_row"),
+    [
+        ("*TEMPERATURE\n{}, 20.\n", "37, 20."),
+        ("*Initial Conditions, type=TEMPERATURE\n{}, 20.\n", "37, 20."),
+        ("*NODAL THICKNESS\n  {},  1.25\n", "37, 1.25"),
+        ("*BOUNDARY\n{}, 3, 3\n", "37, 3, 3"),
+        ("*BOUNDARY\n{}, 2, 2, 0.5\n", "37, 2, 2, 0.5"),
+    ],
+)
+def test_facts_by_number_are_written_for_new_nodes_and_go_with_vanished_ones(deck, rows, new_row):
+    keyword, row = rows.splitlines(keepends=True)
+    source = deck(PLAIN + keyword + "".join(row.format(node) for node in ALL) + "*STEP\n")
+    assert not source.mesh.locked_nodes.any()
+    mesh = apply(source.mesh, Edit(removed=np.array([0])))
+    text = written(source, fanned(mesh, 3))
+    body = text[text.index(keyword) :].removesuffix("*STEP\n").splitlines()[1:]
+    assert body[-1].split() == new_row.split()
+    assert len(body) == len(ALL)
+    assert not any(line.split(",")[0].strip() == "11" for line in body)
+
+
+def test_nobody_is_born_between_nodes_of_different_temperatures(deck):
+    rows = "".join(f"{node}, {20 + 5 * (node > 24)}.\n" for node in ALL)
+    source = deck(PLAIN + "*TEMPERATURE\n" + rows)
+    mesh = source.mesh
+    assert mesh.element_ids[mesh.locked_elements].tolist() == [4, 5, 6, 7, 8, 9]
+    assert [lock.cards for lock in source.locks if lock.kind == "elements"] == [
+        "different values of *TEMPERATURE"
+    ]
+
+
+def test_two_sets_of_one_temperature_part_nothing(deck):
+    sets = f"*NSET, NSET=L\n{listed(LEFT)}*NSET, NSET=R\n{listed(RIGHT)}"
+    source = deck(PLAIN + sets + "*TEMPERATURE\nL, 20.\nR, 20.0\n")
+    assert not source.mesh.locked_nodes.any()
+    model = read_model(written(source, fanned(source.mesh, 3)))
+    assert len(model.nsets["L"] | model.nsets["R"]) == 19
+    other = deck(PLAIN + sets + "*TEMPERATURE\nL, 20.\nR, 30.\n").mesh
+    assert other.element_ids[other.locked_elements].tolist() == [3, 8]
+
+
+def test_a_fact_that_no_set_brings_alone_gets_a_line(deck):
+    sets = f"*NSET, NSET=L\n{listed(LEFT)}*NSET, NSET=R\n{listed(RIGHT)}"
+    held = "*BOUNDARY\nL, 1\nR, 2\n"
+    source = deck(PLAIN + sets + "*TEMPERATURE\nL, 20.\nR, 20.\n" + held)
+    text = written(source, fanned(source.mesh, 3))
+    model = read_model(text)
+    assert 37 not in model.nsets["L"] | model.nsets["R"]
+    assert ["37", "20."] in model.rows["TEMPERATURE"]
+
+
+def test_supports_at_an_edge_stay_and_bring_nothing(deck):
+    source = deck(PLAIN + "*NSET, NSET=FIX\n11, 21, 31\n*BOUNDARY\nFIX, 1, 6\n")
+    assert locked(source.mesh) == [11, 21, 31]
+    assert source.locks[0].sentence == (
+        "3 nodes: NSET FIX in *BOUNDARY (they neither move nor vanish)"
+    )
+    assert read_model(written(source, fanned(source.mesh, 1))).nsets["FIX"] == {11, 21, 31}
+
+
+def test_points_and_lines_that_are_printed_stay(deck):
+    text = PLAIN + "*NSET, NSET=GAUGES\n22, 25\n*NSET, NSET=REST\n33\n*NODE PRINT, NSET=GAUGES\nU\n"
+    assert locked(deck(text).mesh) == [22, 25]
+
+
+def test_what_nothing_uses_follows_the_mesh(deck):
+    source = deck(PLAIN + f"*NSET, NSET=A\n{listed(LEFT)}*NSET, NSET=B\n22\n")
+    assert source.locks == ()
+    gone = apply(source.mesh, Edit(removed=np.array([0])))
+    model = read_model(written(source, fanned(gone, 2, 4)))
+    assert model.nsets["A"] == set(LEFT) - {11} | {37}
+    assert model.nsets["B"] == {22}
+
+
+def test_ranges_are_cut_and_not_grown_over_others(deck):
+    ranges = "*NSET, NSET=A, GENERATE\n11, 15, 2\n12, 16, 2\n21, 26\n"
+    source = deck(PLAIN + ranges + "*NSET, NSET=B, GENERATE\n30, 900\n")
+    gone = apply(source.mesh, Edit(removed=np.array([0])))
+    text = written(source, fanned(gone, 2))
+    assert "GENERATE\n13, 15, 2\n12, 16, 2\n21, 26\n901, 901, 1\n*NSET, NSET=B" in text
+    assert text.endswith("B, GENERATE\n30, 900\n")
+
+
+def test_results_by_node_number_lock_all(deck):
+    mesh = deck(PLAIN + "*TEMPERATURE, FILE=run.frd\n").mesh
+    assert mesh.locked_nodes.all()
+    assert mesh.locked_elements.all()
+    assert not deck(PLAIN + "*TEMPERATURE, FILE=run.odb, INTERPOLATE\n").mesh.locked_nodes.any()
+
+
+def test_a_set_named_locked_is(deck):
+    mesh = deck(PLAIN + "*NSET, NSET=Locked\n22\n*ELSET, ELSET=LOCKED\n4\n").mesh
+    assert locked(mesh) == [22]
+    assert mesh.element_ids[mesh.locked_elements].tolist() == [4]
