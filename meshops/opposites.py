@@ -138,7 +138,11 @@ def _fewest_in_loops(
         for loop, length in zip(face.loops, lengths, strict=True):
             edges = sum(max(1, round(lines[curve].length / size)) for curve in loop)
             if edges < LEAST_LOOP or length < max(lengths):
-                fewest |= {curve: _fewest(lines[curve].turn) for curve in loop}
+                # gmsh ends the process where the edges of a loop enclose nothing
+                each = 1 if len(loop) > 2 else ceil(LEAST_LOOP / len(loop))
+                for curve in loop:
+                    least = max(each, _fewest(lines[curve].turn))
+                    fewest[curve] = max(least, fewest.get(curve, 1))
     return {curve: edges for curve, edges in fewest.items() if edges > 1}
 
 

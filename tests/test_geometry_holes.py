@@ -35,7 +35,7 @@ def cad(tmp_path):
 
 
 def arcs(occ, count, radius, *, stretch=0.0):
-    """Arcs of a circle about (50, 30); with a stretch two half circles are drawn apart to a slot."""
+    """Arcs of a circle about (50, 30); with a stretch, half circles drawn apart to a slot."""
     x, y = 50.0, 30.0
     if stretch:
         return _slot(occ, x, y, radius, stretch)
@@ -105,13 +105,29 @@ def test_a_slot_keeps_its_round_ends(cad, thickness):
 
 
 def test_faces_that_would_fall_onto_each_other_are_divided_more_finely(cad):
-    """A bar between two cylinders: their parts have the same two edges, of one division each."""
+    """A pillow: a plane and a bulge on the same four edges, of one division each."""
 
-    def lens(occ):
-        both = [occ.addCylinder(x, 0, 0, 0, 0, 30.0, 10.0) for x in (-9.0, 9.0)]
+    def pillow(occ):
+        points = [occ.addPoint(x, y, 0) for x, y in [(0, 0), (10, 0), (10, 10), (0, 10)]]
+        rim = [occ.addLine(a, b) for a, b in zip(points, [*points[1:], points[0]], strict=True)]
+        loop = occ.addCurveLoop(rim)
+        occ.addPlaneSurface([loop])
+        occ.addSurfaceFilling(loop, pointTags=[occ.addPoint(5, 5, 3)])
+
+    mesh = mesh_geometry(cad(pillow), 10.0)
+    assert len(same_nodes(mesh)) == 0
+    assert (topology(mesh).uses == 2).all()
+    assert len(mesh.elements) > 2
+
+
+def test_a_bar_with_two_sides_is_no_crash(cad):
+    """Its ends have two edges, of one division each at this size."""
+
+    def bar(occ):
+        both = [occ.addCylinder(0, y, 0, 0, 0, 30.0, 10.0) for y in (-9.0, 9.0)]
         occ.intersect([(3, both[0])], [(3, both[1])])
 
-    mesh = mesh_geometry(cad(lens), 40.0)
+    mesh = mesh_geometry(cad(bar), 40.0)
     assert len(same_nodes(mesh)) == 0
     assert (topology(mesh).uses == 2).all()
 
