@@ -132,7 +132,7 @@ def _fewest_in_loops(
     A hole of two half circles of an edge each would be a slit. A rounded rim of a plate may
     become one row of quads all the same: its loop has four edges without.
     """
-    fewest = {}
+    fewest: dict[int, int] = {}
     for face in faces:
         lengths = [sum(lines[curve].length for curve in loop) for loop in face.loops]
         for loop, length in zip(face.loops, lengths, strict=True):
