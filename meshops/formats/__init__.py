@@ -11,10 +11,11 @@ from typing import Protocol
 
 from meshops.errors import InputError
 from meshops.formats.fresh import write_mesh
+from meshops.formats.locks import Lock
 from meshops.formats.suffixes import ABAQUS, KNOWN, NASTRAN, check_suffix, check_writable_suffix
 from meshops.mesh import ShellMesh
 
-__all__ = ["KNOWN", "Deck", "check_writable_suffix", "read_deck", "write_mesh"]
+__all__ = ["KNOWN", "Deck", "Lock", "check_writable_suffix", "read_deck", "write_mesh"]
 
 
 class Deck(Protocol):
@@ -23,6 +24,14 @@ class Deck(Protocol):
     @property
     def mesh(self) -> ShellMesh:
         """The linear shells of the file."""
+
+    @property
+    def locks(self) -> tuple[Lock, ...]:
+        """What of the mesh is locked, and by which cards."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the file should know besides, a sentence each."""
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the file with ``mesh``, which descends from ``self.mesh``, in their place.

@@ -43,6 +43,7 @@ from meshops.formats.coordinates import BASIC
 from meshops.formats.difference import Difference, compare
 from meshops.formats.fresh import write_mesh
 from meshops.formats.ids import IdSet
+from meshops.formats.locks import Lock
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
 from meshops.formats.suffixes import ABAQUS
@@ -86,6 +87,8 @@ class AbaqusDeck:
     _lists: ElementLists
     _taken_nodes: IdSet
     _taken_elements: IdSet
+    locks: tuple[Lock, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the deck with ``mesh`` in the place of its shells; see ``NastranDeck.write``.

@@ -20,6 +20,7 @@ from meshops.formats.interchange_output import (
     failing_as,
     meshio_format,
 )
+from meshops.formats.locks import Lock
 from meshops.formats.output import refuse_to_overwrite
 from meshops.formats.sources import read_bytes
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
@@ -31,6 +32,8 @@ class InterchangeFile:
 
     mesh: ShellMesh
     source: Path
+    locks: tuple[Lock, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write ``mesh`` as a whole new file; raises InputError where ``path`` is the source."""

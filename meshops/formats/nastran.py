@@ -21,6 +21,7 @@ from meshops.formats.checks import checked_mesh
 from meshops.formats.difference import compare
 from meshops.formats.fresh import write_mesh
 from meshops.formats.ids import IdSet
+from meshops.formats.locks import Lock
 from meshops.formats.nastran_cards import Card
 from meshops.formats.nastran_contents import Contents, sort_cards
 from meshops.formats.nastran_directions import MaterialDirections, part_by_direction
@@ -54,6 +55,8 @@ class NastranDeck:
     regions: list[Attributes]
     directions: MaterialDirections
     _contents: Contents
+    locks: tuple[Lock, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the deck with ``mesh`` in the place of its shells.
