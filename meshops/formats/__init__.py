@@ -61,6 +61,10 @@ def read_deck(path: Path) -> Deck:
         from meshops.formats.abaqus import read_abaqus
 
         return read_abaqus(path)
+    if suffix == ".msh":
+        from meshops.formats.gmsh import read_gmsh
+
+        return read_gmsh(path)
     from meshops.formats.interchange import read_interchange
 
     return read_interchange(path)
