@@ -138,7 +138,8 @@ def is_numbering(values: NDArray[Any]) -> bool:
     """Tell whether integers (n,) number what they belong to: they are all different."""
     if values.ndim != 1 or len(values) < 2 or not np.issubdtype(values.dtype, np.integer):
         return False
-    return len(np.unique(values)) == len(values)
+    has_room = int(values.max()) < np.iinfo(values.dtype).max // 2
+    return has_room and len(np.unique(values)) == len(values)
 
 
 class _Hosts:
