@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from meshops.errors import InputError
-from meshops.geometry import default_size
-from meshops.mesh import NO_NODE, ShellMesh
+from meshops.geometry import default_size, same_nodes
+from meshops.mesh import NO_NODE, Ids, ShellMesh
 from meshops.opposites import Face, Line, matched_divisions
 
 PROPERTY = 1
@@ -19,6 +19,9 @@ PROPERTY = 1
 
 TRIA, QUAD = 2, 3
 """Element types of gmsh."""
+
+ATTEMPTS = 4
+"""How often the borders of faces that fall onto each other are divided twice as finely."""
 
 SAMPLES = 33
 """Directions by which the turn of a curve is measured."""
@@ -63,11 +66,10 @@ def mesh_cad(path: Path, size: float | None = None) -> ShellMesh:
         try:
             gmsh.option.setNumber("Mesh.MeshSizeMin", edge)
             gmsh.option.setNumber("Mesh.MeshSizeMax", edge)
-            _match_opposite_sides(gmsh, edge)
-            gmsh.model.mesh.generate(2)
-            return _shells(gmsh)
+            return _meshed(gmsh, edge)
         except Exception as error:
-            raise InputError(f"{path} cannot be meshed at size {edge:g}: {error}.") from error
+            reason = str(error).rstrip(".")
+            raise InputError(f"{path} cannot be meshed at size {edge:g}: {reason}.") from error
 
 
 @contextmanager
@@ -89,7 +91,29 @@ def _gmsh() -> Iterator[Any]:
         gmsh.finalize()
 
 
-def _match_opposite_sides(gmsh: Any, size: float) -> None:
+def _meshed(gmsh: Any, size: float) -> ShellMesh:
+    """Mesh all faces; the borders of those that fall onto each other are divided more finely."""
+    least: dict[int, int] = {}
+    for _ in range(ATTEMPTS):
+        _match_opposite_sides(gmsh, size, least)
+        gmsh.model.mesh.generate(2)
+        mesh, numbers = _shells(gmsh)
+        doubled = same_nodes(mesh)
+        if not len(doubled):
+            return mesh
+        for face in {gmsh.model.mesh.getElement(number)[3] for number in numbers[doubled]}:
+            for _, curve in gmsh.model.getBoundary([(2, face)], oriented=False):
+                edges = len(gmsh.model.mesh.getElements(1, curve)[1][0])
+                least[curve] = max(2 * edges, least.get(curve, 1))
+        gmsh.model.mesh.clear()
+        gmsh.model.mesh.removeConstraints()
+    x, y, z = mesh.points[mesh.elements[doubled[0], :3]].mean(axis=0)
+    raise InputError(
+        f"faces near ({x:.4g}, {y:.4g}, {z:.4g}) fall onto each other, use a smaller size"
+    )
+
+
+def _match_opposite_sides(gmsh: Any, size: float, least: dict[int, int]) -> None:
     """Divide the sides of narrow and round faces, and map those that have four of them."""
     faces = {}
     for _, number in gmsh.model.getEntities(2):
@@ -99,7 +123,7 @@ def _match_opposite_sides(gmsh: Any, size: float) -> None:
         faces[number] = Face(gmsh.model.occ.getMass(2, number), curves, is_plane)
     used = {curve for face in faces.values() for loop in face.loops for curve in loop}
     lines = {curve: _line(gmsh, curve) for curve in sorted(used)}
-    divisions = matched_divisions(list(faces.values()), lines, size)
+    divisions = matched_divisions(list(faces.values()), lines, size, least)
     for curve, edges in divisions.items():
         gmsh.model.mesh.setTransfiniteCurve(curve, edges + 1)
     for number, face in faces.items():
@@ -117,20 +141,25 @@ def _line(gmsh: Any, curve: int) -> Line:
     return Line(gmsh.model.occ.getMass(1, curve), float(np.degrees(turns).sum()))
 
 
-def _shells(gmsh: Any) -> ShellMesh:
-    """Take the trias and quads of all faces out of gmsh, nodes in the order of their tags."""
+def _shells(gmsh: Any) -> tuple[ShellMesh, Ids]:
+    """Take the trias and quads of all faces out of gmsh, nodes in the order of their tags.
+
+    Beside the mesh: (M,) gmsh's tags of the elements.
+    """
     tags, places, _ = gmsh.model.mesh.getNodes()
-    blocks = []
-    for kind, corners in ((TRIA, 3), (QUAD, 4)):
-        _, nodes = gmsh.model.mesh.getElementsByType(kind)
-        block = np.full((len(nodes) // corners, 4), NO_NODE, np.int64)
+    blocks, numbers = [], []
+    for kind, corners in ((QUAD, 4), (TRIA, 3)):
+        element_tags, nodes = gmsh.model.mesh.getElementsByType(kind)
+        block = np.full((len(element_tags), 4), NO_NODE, np.int64)
         block[:, :corners] = np.asarray(nodes, np.int64).reshape(-1, corners)
         blocks.append(block)
-    elements = np.concatenate(blocks[::-1])
+        numbers.append(np.asarray(element_tags, np.int64))
+    elements = np.concatenate(blocks)
     if not len(elements):
         raise InputError("gmsh made no element")
     used = np.unique(elements[elements != NO_NODE])
     order = np.argsort(tags)
     points = places.reshape(-1, 3)[order[np.searchsorted(tags[order], used)]]
     rows = np.where(elements == NO_NODE, NO_NODE, np.searchsorted(used, elements))
-    return ShellMesh.build(points, rows, region=np.full(len(rows), PROPERTY, np.int32))
+    region = np.full(len(rows), PROPERTY, np.int32)
+    return ShellMesh.build(points, rows, region=region), np.concatenate(numbers)

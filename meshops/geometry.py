@@ -18,7 +18,7 @@ from meshops.kernels.pairing import split_quads
 from meshops.kernels.smoothing import smooth
 from meshops.kernels.soundness import sound_elements
 from meshops.kernels.uniting import unite_trias
-from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.outlines import Outlines, loops_of
 from meshops.patch import Patch, extract
 from meshops.remeshing import LEAST_CORNER, SMOOTHING_SWEEPS, recombine
@@ -54,6 +54,14 @@ def mesh_geometry(path: Path, size: float | None = None) -> ShellMesh:
 
     surface = read_deck(path).mesh
     return mesh_surface(surface, default_size(surface.points) if size is None else size)
+
+
+def same_nodes(mesh: ShellMesh) -> Ids:
+    """(k,) rows of all elements that lie on the same nodes as another one."""
+    ordered = np.sort(mesh.elements, axis=1)
+    _, kind, count = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
+    rows: Ids = np.flatnonzero(count[kind.ravel()] > 1)
+    return rows
 
 
 def default_size(points: Floats) -> float:
@@ -95,7 +103,12 @@ def mesh_surface(
         meshed = [_mesh_zone(extract(zone.topology, zone.rows), outlines, size) for zone in zones]
         failed = np.array([found is None for found in meshed])
         if not failed.any():
-            return _assembled(outlines.points, [found for found in meshed if found is not None])
+            whole = [found for found in meshed if found is not None]
+            mesh = _assembled(outlines.points, whole)
+            of_zone = np.repeat(np.arange(len(zones)), [len(elements) for _, elements in whole])
+            failed[of_zone[same_nodes(mesh)]] = True
+            if not failed.any():
+                return mesh
         finer[failed] *= 2
     zone = zones[int(np.argmax(failed))]
     x, y, z = surface.points[trias[zone.rows, :3]].mean(axis=(0, 1))

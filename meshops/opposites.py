@@ -28,6 +28,15 @@ SLACK = 0.01
 LEAST = 0.6
 """Length of an edge, over the element size, down to which a turn shortens it."""
 
+HOLE_TURN = 60.0
+"""Degrees that a curve of a hole may turn by within one edge, however short the edges become."""
+
+FLAT_TURN = 90.0
+"""Degrees in all up to which a curve may become one edge: four quarters of a hole make a square."""
+
+LEAST_LOOP = 4
+"""Edges of a loop below which its curves are divided as those of a hole."""
+
 SAME = 1.01
 """Of two curves that a loop is divided into evenly."""
 
@@ -69,15 +78,41 @@ class Face:
         return a == c and b == d
 
 
-def matched_divisions(faces: Sequence[Face], lines: dict[int, Line], size: float) -> dict[int, int]:
+def matched_divisions(
+    faces: Sequence[Face],
+    lines: Mapping[int, Line],
+    size: float,
+    least: Mapping[int, int] | None = None,
+) -> dict[int, int]:
     """Divide the curves around narrow and round faces, opposite ones into as many edges.
 
-    `lines` are all curves. All faces have an even number of border edges where all other
-    curves have one: what is left out here is to be divided evenly.
+    All faces have an even number of border edges where all other curves have one: what is left out
+    here is to be divided evenly.
+
+    Parameters
+    ----------
+    faces : sequence of Face
+    lines : mapping of int to Line
+        All curves.
+    size : float
+        Edge length.
+    least : mapping of int to int, optional
+        Fewest edges of some curves, whatever the size.
     """
     lengths = {curve: line.length for curve, line in lines.items()}
+    fewest = _fewest_in_loops(faces, lines, size)
+    for curve, edges in (least or {}).items():
+        fewest[curve] = max(edges, fewest.get(curve, 1))
     groups = _groups([pair for face in faces for pair in _opposite(face, lengths, size)], lengths)
-    counts = [_count([lines[curve] for curve in group], size, 1) for group in groups]
+    matched = {curve for group in groups for curve in group}
+    # what the size alone divides finely enough is left to the mesher
+    groups += [[c] for c, n in fewest.items() if c not in matched and n > lengths[c] / size]
+
+    def count_of(group: list[int], step: int) -> int:
+        floor = max(fewest.get(curve, 1) for curve in group)
+        return max(_count([lines[c] for c in group], size, step), ceil(floor / step) * step)
+
+    counts = [count_of(group, 1) for group in groups]
     group_of = {curve: number for number, group in enumerate(groups) for curve in group}
     uses = [
         Counter(group_of[c] for loop in face.loops for c in loop if c in group_of) for face in faces
@@ -85,8 +120,34 @@ def matched_divisions(faces: Sequence[Face], lines: dict[int, Line], size: float
     while odd := [u for u in uses if sum(counts[group] * times for group, times in u.items()) % 2]:
         # the odd group that is divided most changes least by an edge more or less
         group = max((g for g in odd[0] if counts[g] * odd[0][g] % 2), key=lambda g: counts[g])
-        counts[group] = _count([lines[curve] for curve in groups[group]], size, 2)
+        counts[group] = count_of(groups[group], 2)
     return {curve: counts[number] for curve, number in group_of.items()}
+
+
+def _fewest_in_loops(
+    faces: Sequence[Face], lines: Mapping[int, Line], size: float
+) -> dict[int, int]:
+    """Fewest edges of curves that turn: those of holes, and of loops with next to no edges.
+
+    A hole of two half circles of an edge each would be a slit. A rounded rim of a plate may
+    become one row of quads all the same: its loop has four edges without.
+    """
+    fewest: dict[int, int] = {}
+    for face in faces:
+        lengths = [sum(lines[curve].length for curve in loop) for loop in face.loops]
+        for loop, length in zip(face.loops, lengths, strict=True):
+            edges = sum(max(1, round(lines[curve].length / size)) for curve in loop)
+            if edges < LEAST_LOOP or length < max(lengths):
+                # gmsh ends the process where the edges of a loop enclose nothing
+                each = 1 if len(loop) > 2 else ceil(LEAST_LOOP / len(loop))
+                for curve in loop:
+                    least = max(each, _fewest(lines[curve].turn))
+                    fewest[curve] = max(least, fewest.get(curve, 1))
+    return {curve: edges for curve, edges in fewest.items() if edges > 1}
+
+
+def _fewest(turn: float) -> int:
+    return 1 if turn <= FLAT_TURN * (1.0 + SLACK) else ceil(turn / HOLE_TURN - SLACK)
 
 
 def _opposite(face: Face, lengths: dict[int, float], size: float) -> list[tuple[int, int]]:

@@ -60,19 +60,31 @@ class Deck(Protocol):
         """
 
 
-def read_deck(path: Path) -> Deck:
+def read_deck(path: Path, *, regions: str | None = None) -> Deck:
     """Read a file in the format that its suffix tells, in capitals or not.
+
+    Parameters
+    ----------
+    path : Path
+    regions : str, optional
+        Name of the array of the cells of a .vtu file that tells the regions.
 
     Raises
     ------
     InputError
-        Where the file is missing, a folder, unreadable or of no known format, or its mesh cannot be
-        used.
+        Where the file is missing, a folder, unreadable or of no known format, its mesh cannot be
+        used, or regions are named for a format without such arrays.
     """
     if path.is_dir():
         raise InputError(f"{path} is a folder: name the mesh file in it.")
     check_suffix(path)
     suffix = path.suffix.lower()
+    if suffix == ".vtu":
+        from meshops.formats.vtu import read_vtu
+
+        return read_vtu(path, regions)
+    if regions is not None:
+        raise InputError(f"{path.name}: only cell arrays of a .vtu file are named as regions.")
     if suffix in NASTRAN:
         from meshops.formats.nastran import read_nastran
 
@@ -81,6 +93,10 @@ def read_deck(path: Path) -> Deck:
         from meshops.formats.abaqus import read_abaqus
 
         return read_abaqus(path)
+    if suffix == ".msh":
+        from meshops.formats.gmsh import read_gmsh
+
+        return read_gmsh(path)
     from meshops.formats.interchange import read_interchange
 
     return read_interchange(path)
