@@ -145,6 +145,7 @@ def read_off(path: Path) -> OffFile:
         extra.append(values[3:])
         written.append(" ".join(word.text for word in [*words, *more]))
         point_lines.append(words[0].line)
+    has_colours = not stream.holds_just(face_count)
     while len(faces) < face_count and stream.has(1):
         (count,) = stream.take(1)
         (size,) = integers([count.text], path, count.line)
@@ -156,7 +157,8 @@ def read_off(path: Path) -> OffFile:
         named = [node if node >= 0 else NO_NODE - 1 for node in nodes]
         faces.append(corners(named, path, count.line))
         face_lines.append(count.line)
-        colours.append(" ".join(word.text for word in stream.take_line()))
+        more = stream.take_line() if has_colours else []
+        colours.append(" ".join(word.text for word in more))
     if (len(places), len(faces)) != (node_count, face_count):
         raise InputError(
             f"{path.name}: {len(places)} of {node_count} points and {len(faces)} of {face_count} "
@@ -224,6 +226,15 @@ class _Words:
         while stop < len(self._words) and self._words[stop].line == line:
             stop += 1
         return self.take(stop - self._at)
+
+    def holds_just(self, faces: int) -> bool:
+        """Whether what is left are so many faces and no more."""
+        at = self._at
+        for _ in range(faces):
+            if at >= len(self._words) or not self._words[at].text.isdecimal():
+                return False
+            at += 1 + int(self._words[at].text[:9])
+        return at == len(self._words)
 
     def rest(self) -> list[list[str]]:
         """List what is left, by lines."""
