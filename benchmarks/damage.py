@@ -24,6 +24,7 @@ from meshops.criteria_files import load_criteria
 from meshops.errors import InputError
 from meshops.formats import read_deck
 from tracking.errors import TrackingError
+from tracking.journal import read_journal
 
 LIMIT = 1.0
 """Seconds for an input."""
@@ -91,6 +92,8 @@ def read(sound: Sound, data: bytes, folder: Path) -> None:
         read_procedure(path)
     elif sound.kind == "config.toml":
         load_config(path, {})
+    elif sound.kind == "journal":
+        read_journal(folder)
     else:
         latest_state(folder, RUN)
 

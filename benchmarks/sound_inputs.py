@@ -31,6 +31,8 @@ from meshops.formats.suffixes import NASTRAN as NASTRAN_SUFFIXES
 from meshops.mesh import NO_NODE, ShellMesh
 from meshops.operations import ALL_OPERATIONS, NOTHING
 from meshops.subdomain import Extent
+from tracking.events import MeshSummary, RoundReport, RunStarted
+from tracking.journal import JOURNAL, Journal
 
 FAULTS = Path("..") / "shared" / "faults"
 
@@ -217,6 +219,14 @@ def _runs(folder: Path) -> Iterator[Sound]:
     for name, data in files.items():
         others = tuple((other, files[other]) for other in files if other != name)
         yield Sound("checkpoint", name, data, others)
+    journal = Journal(folder / "journal")
+    journal.record(
+        RunStarted("plate", "run", 1, "local", 2, {"size": 5.0}, MeshSummary(10, 8, 2, 1, 0.5))
+    )
+    journal.record(RoundReport(0, 3, 4, 2, 1, 1, 2, 3, 100, 90, 1.5, {"smooth": 1.0}))
+    data = (folder / "journal" / JOURNAL).read_bytes()
+    journal.close()
+    yield Sound("journal", JOURNAL, data)
 
 
 FOUR = ("four.msh", "four-binary.msh", "old.msh")

@@ -197,7 +197,7 @@ class Procedure:
                 slides=bool(document["slides"]),
                 seed=int(document["seed"]),
             )
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, OverflowError) as error:
             raise InputError(
                 f"{source} is not a procedure ({type(error).__name__}: {error}); "
                 "give the procedure.json that an optimize run wrote."
@@ -232,7 +232,10 @@ def round_document(done: Round, operations: tuple[Operation, ...]) -> dict[str, 
 
 
 def read_round(item: dict[str, Any], operations: tuple[Operation, ...]) -> Round:
-    """Read what `round_document` made; raises ValueError, KeyError or TypeError where it is not."""
+    """Read what `round_document` made.
+
+    Raises ValueError, KeyError, TypeError or OverflowError where it is something else.
+    """
     codes = {operation.name: operation.code for operation in operations} | {"nothing": NOTHING}
     extent = None
     if item["extent"] is not None:
