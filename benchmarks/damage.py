@@ -10,10 +10,12 @@ import traceback
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from random import Random
 from types import FrameType
+
+import numpy as np
 
 from benchmarks.mutations import mutated
 from benchmarks.sound_inputs import RUN, Sound
@@ -23,6 +25,7 @@ from islands.replay import read_procedure
 from meshops.criteria_files import load_criteria
 from meshops.errors import InputError
 from meshops.formats import read_deck
+from meshops.mesh import ShellMesh
 from tracking.errors import TrackingError
 from tracking.journal import read_journal
 
@@ -31,6 +34,9 @@ LIMIT = 1.0
 
 PATIENCE = 10.0
 """Seconds after which an input is given up."""
+
+NUDGE = 1e-3
+"""How far a node is moved, over its coordinates."""
 
 MEMORY = 4 * 2**30
 """Bytes that a process may take."""
@@ -75,7 +81,9 @@ def damaged(sound: Sequence[Sound], seed: int, number: int) -> tuple[Sound, byte
 
 
 def read(sound: Sound, data: bytes, folder: Path) -> None:
-    """Put an input into an empty folder and read it; a deck is written back.
+    """Put an input into an empty folder and read it.
+
+    A deck is written back, as it is and with a node moved.
 
     Raises whatever the reader raises.
     """
@@ -86,6 +94,7 @@ def read(sound: Sound, data: bytes, folder: Path) -> None:
     if sound.kind.startswith("deck"):
         deck = read_deck(path)
         deck.write(deck.mesh, folder / "out" / sound.name)
+        deck.write(nudged(deck.mesh), folder / "nudged" / sound.name)
     elif sound.kind == "criteria":
         load_criteria(str(path)).at(1.0)
     elif sound.kind == "procedure.json":
@@ -96,6 +105,14 @@ def read(sound: Sound, data: bytes, folder: Path) -> None:
         read_journal(folder)
     else:
         latest_state(folder, RUN)
+
+
+def nudged(mesh: ShellMesh) -> ShellMesh:
+    """Move a node that may move, so that not all stays as it was."""
+    points = mesh.points.copy()
+    points[np.flatnonzero(~mesh.locked_nodes)[:1]] *= 1.0 + NUDGE
+    arrays = {field.name: getattr(mesh, field.name) for field in fields(mesh)}
+    return ShellMesh.build(**(arrays | {"points": points}))
 
 
 def outcome_of(sound: Sound, data: bytes, number: int, folder: Path) -> Outcome:

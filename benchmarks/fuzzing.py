@@ -1,8 +1,9 @@
 """Damaged decks, criteria, procedures, configurations and checkpoints: what is said to each.
 
 Each input is a sound one that is damaged in one to three ways. It is to be read, or refused with a
-sentence, within a second; a deck that is read is written back too. An input is known by its number
-and the seed: `--show NUMBER` makes it again and shows what becomes of it.
+sentence, within a second; a deck that is read is written too, as it is and with a node moved. An
+input is known by its number and the seed: `--show NUMBER` makes it again and shows what becomes of
+it.
 """
 
 from __future__ import annotations

@@ -286,7 +286,7 @@ def _is_by_lines(lines: list[list[str]], points: int, faces: int) -> bool:
     if len(widths) > 1 or not all(3 <= width <= WIDEST for width in widths):
         return False
     return all(
-        line[0].isdigit() and len(line[0]) < 9 and len(line) > int(line[0])
+        line[0].isdecimal() and len(line[0]) < 9 and len(line) > int(line[0])
         for line in lines[points : points + faces]
     )
 
