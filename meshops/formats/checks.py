@@ -177,9 +177,9 @@ def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
 
 
 def note_on(element_ids: Ids, which: Bools, what: str) -> tuple[str, ...]:
-    """'3 elements lie on ...: 5, 7, 9.', or nothing where there are none."""
+    """Note what is true of some elements, 'Left as trias: elements 5, 7.'; nothing of none."""
     ids = element_ids[which].tolist()
     if not ids:
         return ()
-    named = ", ".join(map(str, ids[:5])) + (" and others" if len(ids) > 5 else "")
-    return (f"{len(ids):,} element{'s' * (len(ids) > 1)} {what}: {named}.",)
+    named = ", ".join(map(str, ids[:5])) + (f" and {len(ids) - 5:,} more" if len(ids) > 5 else "")
+    return (f"{what}: element{'s' * (len(ids) > 1)} {named}.",)

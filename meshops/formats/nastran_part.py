@@ -30,7 +30,7 @@ from meshops.formats.nastran_pressures import Field, sort_loads
 from meshops.formats.nastran_regions import find_regions
 from meshops.formats.nastran_shells import CORNERS, Attributes
 from meshops.formats.nastran_systems import integer_at
-from meshops.formats.node_attributes import Memberships, share_memberships
+from meshops.formats.node_attributes import Memberships, share_memberships, take_over_ids
 from meshops.formats.sources import Sources
 from meshops.mesh import Ids, ShellMesh
 
@@ -48,6 +48,8 @@ class Part:
     contents : Contents
     regions : list of Attributes
         What new elements of each region take over.
+    memberships : list of frozenset of Membership
+        What each node has.
     shared : list of frozenset of Membership
         What new nodes of each region get.
     systems : list of int
@@ -62,6 +64,7 @@ class Part:
     mesh: ShellMesh
     contents: Contents
     regions: list[Attributes]
+    memberships: list[Memberships]
     shared: list[Memberships]
     systems: list[int]
     fields: dict[Layer, Field]
@@ -82,7 +85,7 @@ class Part:
         taken_nodes, taken_elements = self._taken()
         change = compare(
             self.mesh,
-            mesh,
+            take_over_ids(self.mesh, mesh, self.memberships, self.shared, nodes.is_listed),
             taken_nodes=taken_nodes,
             taken_elements=taken_elements,
             limit=LARGEST_ID,
@@ -182,6 +185,7 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
         mesh=mesh,
         contents=contents,
         regions=[regions.attributes[region] for region in of_region],
+        memberships=memberships,
         shared=[shared.shared[region] for region in before],
         systems=_systems(mesh, contents),
         fields=loads.fields,
@@ -200,8 +204,12 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
             ]
         ),
         notes=(
-            *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
-            *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),
+            *note_on(element_ids, same, "On the same nodes as another shell, and left as they are"),
+            *note_on(
+                element_ids,
+                is_repeated,
+                "A quad that names a node twice is a tria, and left as it is",
+            ),
         ),
     )
 
