@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshops.errors import InputError
 from meshops.formats import nastran_nodes as nodes
 from meshops.formats.checks import checked_mesh, note_on, on_same_nodes, without_repeated_nodes
 from meshops.formats.difference import compare
-from meshops.formats.ids import IdSet, free_ids
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock, most_first
 from meshops.formats.nastran_cards import Card
 from meshops.formats.nastran_case import CaseControl
@@ -104,16 +103,10 @@ class Part:
         )
 
     def check_room(self) -> None:
-        """Raise InputError where there are not as many free ids as the mesh has nodes, elements."""
-        taken = self._taken()
-        every = (self.mesh.node_ids, self.mesh.element_ids)
-        for what, ids, mine in zip(("nodes", "elements"), every, taken, strict=True):
-            free = free_ids(ids, mine, LARGEST_ID)
-            if free < len(ids):
-                raise InputError(
-                    f"The deck leaves {free:,} ids of {what} free up to {LARGEST_ID}, too few to "
-                    f"repair {len(ids):,} {what}: renumber it first."
-                )
+        """Raise InputError where there are fewer free ids than the mesh has nodes or elements."""
+        taken_nodes, taken_elements = self._taken()
+        check_room(self.mesh.node_ids, taken_nodes, LARGEST_ID, "nodes")
+        check_room(self.mesh.element_ids, taken_elements, LARGEST_ID, "elements")
 
     def _taken(self) -> tuple[IdSet, IdSet]:
         """Ids that no new node and no new element may have.
