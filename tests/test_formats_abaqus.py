@@ -73,7 +73,7 @@ def test_an_edit_changes_lines_and_lists(deck, tmp_path):
         rewired_to=np.array([[*rows(mesh, (11, 12, 22)), NO_NODE], rows(mesh, (13, 14, 24, 23))]),
         added_points=np.array([[1.5, 1.75, 0.1]]),
         added_elements=np.array(
-            [[*rows(mesh, (12, 13)), len(mesh.points), NO_NODE], rows(mesh, (12, 13, 23, 22))]
+            [[*rows(mesh, (12, 13)), len(mesh.points), NO_NODE], rows(mesh, (12, 13, 24, 22))]
         ),
         added_region=np.array([0, 0]),
         moved=np.array(rows(mesh, (24,))),
@@ -88,7 +88,7 @@ def test_an_edit_changes_lines_and_lists(deck, tmp_path):
 105, 12, 13, 35
 *ELEMENT, TYPE=S4R, ELSET=PLATE
 103, 13, 14, 24, 23
-106, 12, 13, 23, 22
+106, 12, 13, 24, 22
 """
     expected = (
         FLAT.replace("24, 4., 2.\n", "24, 4.25, 2.0, 0.0\n")

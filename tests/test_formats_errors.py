@@ -28,12 +28,13 @@ def sentence_of(path):
         (GRIDS, "deck.bdf holds no linear shell element"),
         (QUAD, "line 1: element 7 names nodes, but there are none"),
         (GRIDS + "CQUAD4,7,3,1,2,3,9\n", "line 5: element 7 names node 9, which is not defined"),
-        (GRIDS + "CQUAD4,7,3,1,2,2,4\n", "line 5: element 7 names node 2 twice"),
+        (GRIDS + "CTRIA3,7,3,1,2,2\n", "line 5: element 7 names node 2 twice"),
+        (GRIDS + "CQUAD4,7,3,1,2,1,4\n", "line 5: element 7 names node 1 twice"),
+        (GRIDS + "CQUAD4,7,3,1,1,4,4\n", "line 5: element 7 names node 1 twice"),
         (
             GRIDS + QUAD + QUAD,
             "line 6: element 7 is defined a second time (first: deck.bdf, line 5",
         ),
-        (GRIDS + QUAD + "CQUAD4,8,3,3,4,1,2\n", "line 6: elements 7 and 8 lie on the same nodes"),
         (GRIDS + "GRID,2,,1.,0.,.5\n" + QUAD, "line 5: node 2 is defined a second time"),
         (GRIDS + "GRID,2,,1.,0.,0.,5\n" + QUAD, "line 5: node 2 is defined a second time"),
         (GRIDS.replace("1.,1.", "1.,nan") + QUAD, "line 3: node 3 has a coordinate that is not"),
@@ -43,7 +44,9 @@ def sentence_of(path):
         (GRIDS + f"CQUAD4,{10**30},3,1,2,3,4\n", "line 5: field 2 of CQUAD4"),
         (GRIDS + "CQUAD4,7,3,1,2,3,\xb2\n", "line 5: field 7 of CQUAD4 is"),
         (GRIDS + "CQUAD4,7,3,1,2,3\n", "line 5: field 7 of CQUAD4 is blank"),
-        (GRIDS + "=,*1,=\n" + QUAD, "line 5: replicated cards"),
+        ("=,*1,=\n" + GRIDS + QUAD, "line 1: '=' repeats no card of one line"),
+        (GRIDS + QUAD + ",,.1\n=,*1,=\n", "line 7: '=' repeats no card of one line"),
+        (GRIDS + "=,*x,=\n" + QUAD, "line 5: 'x' cannot be added to '4'"),
         (GRIDS.replace("2,,1", "2,8,1") + QUAD, "line 2: GRID 2 uses coordinate system 8, which"),
         (
             "CORD2R,8,9,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,9,8,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
@@ -61,7 +64,10 @@ def sentence_of(path):
         ),
         (GRIDS + "INCLUDE 'none.bdf'\n", "line 5: the included file 'none.bdf' does not exist"),
         (GRIDS + "INCLUDE 'deck.bdf'\n", "line 5: 'deck.bdf' includes itself"),
-        ("BEGIN BULK\n" + GRIDS + "BEGIN SUPER=1\n" + QUAD, "line 6: a second bulk section"),
+        (
+            "BEGIN BULK\n" + GRIDS + "BEGIN SUPER=1\nGRID,9,,0.,0.,0.\n" + QUAD,
+            "line 8: element 7 names nodes, but there are none",
+        ),
         ("\0\0GRID", "is not a text file"),
     ],
 )

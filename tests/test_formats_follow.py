@@ -91,10 +91,14 @@ def test_a_rewired_shell_keeps_its_load(deck):
                 "PLOAD4         7       1     2.5",
                 "PLOAD4         7       3     2.5                            THRU       5",
             ],
-            "PLOAD4         7      {}     2.5",
+            "PLOAD4         7      27     2.5                            THRU      28",
         ),
-        ("PLOAD2,7,2.5,1,THRU,5", ["PLOAD2,7,2.5,1", "PLOAD2,7,2.5,3,THRU,5"], "PLOAD2,7,2.5,{}"),
-        ("PLOAD2,7,2.5,5,2,1", ["PLOAD2,7,2.5,5", "PLOAD2,7,2.5,1"], "PLOAD2,7,2.5,{}"),
+        (
+            "PLOAD2,7,2.5,1,THRU,5",
+            ["PLOAD2,7,2.5,1", "PLOAD2,7,2.5,3,THRU,5"],
+            "PLOAD2,7,2.5,27,28",
+        ),
+        ("PLOAD2,7,2.5,5,2,1", ["PLOAD2,7,2.5,5,1"], "PLOAD2,7,2.5,27,28"),
     ],
 )
 def test_a_load_of_several_shells_is_parted_where_one_goes(deck, load, left, new):
@@ -104,7 +108,7 @@ def test_a_load_of_several_shells_is_parted_where_one_goes(deck, load, left, new
     shells, loads = came[:2], came[2:]
     assert went == [load]
     assert [line.split(",")[0] for line in shells] == ["CTRIA3", "CTRIA3"]
-    assert loads == [*left, new.format(27), new.format(28)]
+    assert loads == [*left, new]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])

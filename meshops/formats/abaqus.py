@@ -42,7 +42,7 @@ from meshops.formats.checks import checked_mesh
 from meshops.formats.coordinates import BASIC
 from meshops.formats.difference import Difference, compare
 from meshops.formats.fresh import write_mesh
-from meshops.formats.ids import IdSet
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
@@ -89,6 +89,11 @@ class AbaqusDeck:
     _taken_elements: IdSet
     locks: tuple[Lock, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def check_room(self) -> None:
+        """Raise InputError where there are fewer free ids than the mesh has nodes or elements."""
+        check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID, "nodes")
+        check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID, "elements")
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the deck with ``mesh`` in the place of its shells; see ``NastranDeck.write``.

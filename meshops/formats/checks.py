@@ -28,6 +28,8 @@ def checked_mesh(
 ) -> ShellMesh:
     """Make a ShellMesh of what a file says, keeping only the nodes that its elements use.
 
+    Elements on the same nodes, as those of a doubler, are locked.
+
     Parameters
     ----------
     source : str
@@ -44,7 +46,7 @@ def checked_mesh(
     ------
     InputError
         No element; a coordinate that is not finite; a node or element id used twice; an element
-        that names a missing node or one node twice; two elements on the same nodes.
+        that names a missing node or one node twice.
     """
     if not len(corners):
         raise InputError(f"{source} holds no linear shell element: there is nothing to repair.")
@@ -53,7 +55,6 @@ def checked_mesh(
     nodes = _distinct_nodes(node_ids, points, node_place)
     elements = _element_rows(corners, node_ids[nodes], element_ids, element_place)
     _check_repeated_nodes(elements, corners, element_ids, element_place)
-    _check_same_nodes(elements, element_ids, element_place)
     used = np.unique(elements[elements != NO_NODE])
     compact = np.where(elements == NO_NODE, NO_NODE, np.searchsorted(used, elements))
     # nodes keep the order of the file, not that of their ids
@@ -66,7 +67,7 @@ def checked_mesh(
         elements=np.where(compact == NO_NODE, NO_NODE, rank[compact]),
         region=region,
         locked_nodes=locked_nodes[kept],
-        locked_elements=locked_elements,
+        locked_elements=locked_elements | on_same_nodes(elements),
         node_ids=node_ids[kept],
         element_ids=element_ids,
     )
@@ -139,13 +140,46 @@ def _check_repeated_nodes(elements: Ids, corners: Ids, element_ids: Ids, place: 
         )
 
 
-def _check_same_nodes(elements: Ids, element_ids: Ids, place: Place) -> None:
+def on_same_nodes(elements: Ints | Ids) -> Bools:
+    """(M,) bool: which elements (M, 4) have all their nodes in common with another one."""
     ordered = np.sort(elements, axis=1)
     order = np.lexsort(ordered.T)
-    same = np.flatnonzero((np.diff(ordered[order], axis=0) == 0).all(axis=1))
-    if len(same):
-        first, second = sorted(int(order[same[0] + k]) for k in (0, 1))
-        raise InputError(
-            f"{place(second)}: elements {element_ids[first]} and {element_ids[second]} lie on the "
-            "same nodes; remove one of them."
-        )
+    same = (np.diff(ordered[order], axis=0) == 0).all(axis=1)
+    found = np.zeros(len(elements), bool)
+    found[order[1:][same]] = True
+    found[order[:-1][same]] = True
+    return found
+
+
+def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
+    """Turn quads that name a node twice in a row into the trias that they mean.
+
+    Parameters
+    ----------
+    corners : (M, 4) int64
+        Node ids; a tria has 0 last.
+
+    Returns
+    -------
+    corners : (M, 4) int64
+    is_repeated : (M,) bool
+    """
+    twice = (corners == np.roll(corners, -1, axis=1)) & (corners[:, 3:] != 0)
+    distinct = np.array([len(set(row)) for row in corners[twice.any(axis=1)].tolist()], int)
+    rows = np.flatnonzero(twice.any(axis=1))[distinct == 3]
+    is_repeated = np.zeros(len(corners), bool)
+    is_repeated[rows] = True
+    found = corners.copy()
+    keep = ~twice[rows]
+    found[rows, :3] = corners[rows][keep].reshape(-1, 3)
+    found[rows, 3] = 0
+    return found, is_repeated
+
+
+def note_on(element_ids: Ids, which: Bools, what: str) -> tuple[str, ...]:
+    """Note what is true of some elements, 'Left as trias: elements 5, 7.'; nothing of none."""
+    ids = element_ids[which].tolist()
+    if not ids:
+        return ()
+    named = ", ".join(map(str, ids[:5])) + (f" and {len(ids) - 5:,} more" if len(ids) > 5 else "")
+    return (f"{what}: element{'s' * (len(ids) > 1)} {named}.",)

@@ -53,6 +53,23 @@ class Frame:
         polar = np.degrees(np.arctan2(np.hypot(x, y), z))
         return np.column_stack([np.linalg.norm(rectangular, axis=1), polar, azimuth])
 
+    def vectors(self, components: Floats, points: Floats) -> Floats:
+        """Turn a vector of three components (3,) in the system into basic ones at points (N, 3)."""
+        if self.kind == "R":
+            return np.broadcast_to(components @ self.axes, points.shape)
+        local = np.radians(self.from_basic(points))
+        turn = local[:, 1] if self.kind == "C" else local[:, 2]
+        zero, one = np.zeros_like(turn), np.ones_like(turn)
+        out = np.stack([np.cos(turn), np.sin(turn), zero], axis=1)
+        round_ = np.stack([-np.sin(turn), np.cos(turn), zero], axis=1)
+        up = np.stack([zero, zero, one], axis=1)
+        base = [out, round_, up]
+        if self.kind == "S":
+            sine, cosine = np.sin(local[:, 1:2]), np.cos(local[:, 1:2])
+            base = [sine * out + cosine * up, cosine * out - sine * up, round_]
+        turned: Floats = sum(c * b for c, b in zip(components, base, strict=True)) @ self.axes
+        return turned
+
     def _to_rectangular(self, local: Floats) -> Floats:
         if self.kind == "R":
             return local

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +17,8 @@ class Difference:
 
     Attributes
     ----------
+    mesh : ShellMesh
+        The edited mesh; an element on the nodes of one that is gone has its id.
     node_ids, element_ids : (N,) int64, (M,) int64
         Of the edited mesh, every NEW replaced by an id of its own.
     corners : (M, 4) int64
@@ -28,6 +31,7 @@ class Difference:
         Ids that the deck has and the edited mesh has not.
     """
 
+    mesh: ShellMesh
     node_ids: Ids
     element_ids: Ids
     corners: Ids
@@ -51,6 +55,7 @@ def compare(
     InputError
         Where no ids up to ``limit`` are left for what is new.
     """
+    after = keep_ids_on_same_nodes(before, after)
     node_ids = with_new_ids(after.node_ids, taken_nodes, limit)
     element_ids = with_new_ids(after.element_ids, taken_elements, limit)
     corners = deck_corners(after, node_ids)
@@ -63,6 +68,7 @@ def compare(
     rewired = (old_corners[old_elements] != corners[kept_elements]).any(axis=1)
     vanishing = before.node_ids[~before.locked_nodes]
     return Difference(
+        mesh=after,
         node_ids=node_ids,
         element_ids=element_ids,
         corners=corners,
@@ -73,6 +79,42 @@ def compare(
         gone_nodes=np.setdiff1d(vanishing, after.node_ids),
         gone_elements=np.setdiff1d(before.element_ids, after.element_ids),
     )
+
+
+def keep_ids_on_same_nodes(before: ShellMesh, after: ShellMesh) -> ShellMesh:
+    """Give a new element on the nodes of a gone one its id, and its first node.
+
+    That is where both are of one region and the nodes follow each other in the same order.
+    """
+    new = np.flatnonzero(after.element_ids == NEW)
+    gone = np.flatnonzero(~np.isin(before.element_ids, after.element_ids))
+    if not (len(new) and len(gone)):
+        return after
+    # what has a new node is on none of the deck's
+    has_new = (after.node_ids[after.elements[new]] == NEW) & (after.elements[new] != NO_NODE)
+    new = new[~has_new.any(axis=1)]
+    old_corners = deck_corners(before, before.node_ids)
+    ids = {_around(old_corners[row].tolist()): row for row in gone.tolist()}
+    elements, element_ids = after.elements.copy(), after.element_ids.copy()
+    corners = deck_corners(after, after.node_ids)
+    for row in new.tolist():
+        old = ids.get(_around(corners[row].tolist()), -1)
+        if old < 0 or before.region[old] != after.region[row]:
+            continue
+        element_ids[row] = before.element_ids[old]
+        start = corners[row].tolist().index(before.node_ids[before.elements[old, 0]])
+        size = 3 if elements[row, 3] == NO_NODE else 4
+        elements[row, :size] = np.roll(elements[row, :size], -start)
+    elements.setflags(write=False)
+    element_ids.setflags(write=False)
+    return replace(after, elements=elements, element_ids=element_ids)
+
+
+def _around(nodes: Sequence[int]) -> tuple[int, ...]:
+    """Make lists of ids of one cycle equal, wherever they begin; 0 stands last in a tria."""
+    cycle = [node for node in nodes if node]
+    start = cycle.index(min(cycle))
+    return (*cycle[start:], *cycle[:start])
 
 
 def deck_corners(mesh: ShellMesh, node_ids: Ids) -> Ids:

@@ -80,6 +80,9 @@ class GmshFile:
         """What is to be known besides."""
         return self.shells.notes
 
+    def check_room(self) -> None:
+        """Do nothing: numbers up to the largest integer are free for what is new."""
+
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the file with ``mesh`` in the place of its shells.
 

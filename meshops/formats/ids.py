@@ -94,6 +94,47 @@ def with_new_ids(ids: Ids, taken: IdSet, limit: int) -> Ids:
     return numbered
 
 
+def free_ids(ids: Ids, taken: IdSet, limit: int) -> int:
+    """How many ids ``with_new_ids`` has to give."""
+    above = limit - max(taken.highest, int(ids.max(initial=0)))
+    if above > 0:
+        return above
+    ranges = _merged((first, last) for first, last, _ in taken.ranges)
+    in_ranges = sum(max(min(last, limit) - first + 1, 0) for first, last in ranges)
+    singles = [i for i in {*taken.singles, *ids.tolist()} if 0 < i <= limit]
+    starts = np.array([first for first, _ in ranges], np.int64)
+    place = np.searchsorted(starts, singles, side="right") - 1
+    ends = np.array([last for _, last in ranges] or [0], np.int64)
+    outside = (place < 0) | (np.array(singles) > ends[place]) if len(ranges) else place < 0
+    return max(limit - in_ranges - int(outside.sum()), 0)
+
+
+def check_room(ids: Ids, taken: IdSet, limit: int, what: str) -> None:
+    """Check before a search that there are as many free ids as ids in use.
+
+    Raises
+    ------
+    InputError
+        Where there are fewer; ``what`` says what they are ids of, as 'nodes'.
+    """
+    free = free_ids(ids, taken, limit)
+    if free < len(ids):
+        raise InputError(
+            f"The deck leaves {free:,} ids of {what} free up to {limit:,}, too few to repair "
+            f"{len(ids):,} {what}: renumber it first."
+        )
+
+
+def _merged(ranges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+    found: list[tuple[int, int]] = []
+    for first, last in sorted(ranges):
+        if found and first <= found[-1][1] + 1:
+            found[-1] = (found[-1][0], max(found[-1][1], last))
+        else:
+            found.append((first, last))
+    return found
+
+
 def _lowest_free(ids: Ids, taken: IdSet, count: int, limit: int) -> list[int]:
     singles = taken.singles | set(ids.tolist())
     ranges = sorted((first, last) for first, last, _ in taken.ranges)

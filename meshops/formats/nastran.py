@@ -1,9 +1,9 @@
-"""Nastran decks (.bdf .dat .nas .blk): read, and spliced on writing.
+"""Nastran decks (.bdf .dat .nas .blk .fem): read, and spliced on writing.
 
 The linear shells are the mesh. Everything else in the deck stays as it is, and so do the nodes and
-shells that it refers to: they are locked. Two things follow the elements instead. An even pressure
-on a shell is one of its attributes, and a new shell of the region gets a card like it. A material
-angle is measured from the first edge of an element, and a new element gets the one that
+shells that it refers to: they are locked. Some things follow the mesh instead. What all nodes of an
+element share, as a support, new nodes between them get too. A pressure on shells stays on its area.
+A material angle is measured from the first edge of an element, and a new element gets the one that
 leaves the material direction as it was. A shell is of the region of its card family, property and
 other attributes, because a new element of a region takes them over.
 """
@@ -11,59 +11,78 @@ other attributes, because a new element of a region takes them over.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from meshops.errors import InputError
 from meshops.formats import nastran_sections as sections
-from meshops.formats.checks import checked_mesh
-from meshops.formats.difference import compare
 from meshops.formats.fresh import write_mesh
-from meshops.formats.ids import IdSet
-from meshops.formats.locks import Lock
-from meshops.formats.nastran_cards import Card
+from meshops.formats.locks import Lock, most_first
+from meshops.formats.nastran_cards import Card, lex
+from meshops.formats.nastran_case import CaseControl, read_case_control
 from meshops.formats.nastran_contents import Contents, sort_cards
-from meshops.formats.nastran_directions import MaterialDirections, part_by_direction
-from meshops.formats.nastran_output import Update
-from meshops.formats.nastran_regions import find_regions
-from meshops.formats.nastran_shells import CORNERS, Attributes
-from meshops.formats.nastran_systems import integer_at
+from meshops.formats.nastran_directions import MaterialDirections
+from meshops.formats.nastran_nodes import splice_sets
+from meshops.formats.nastran_part import Part, read_part
+from meshops.formats.nastran_replication import write_out
+from meshops.formats.nastran_shells import Attributes
+from meshops.formats.nastran_superelements import Union, attached
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
 from meshops.formats.suffixes import NASTRAN
-from meshops.mesh import Bools, Ids, ShellMesh
+from meshops.mesh import ShellMesh
 
-LARGEST_ID = 99_999_999
+_NAME_OTHER_SECTIONS = ("SE", "CSUPER", "CSUPEXT", "RELEASE")
+"""Cards of the main section that begin so name nodes of superelements."""
 
 
 @dataclass(frozen=True, eq=False)
 class NastranDeck:
-    """A Nastran deck: its linear shells as a mesh, its lines, and its cards.
+    """A Nastran deck: its linear shells as a mesh, its lines, and its sections of bulk data.
 
     Attributes
     ----------
     mesh : ShellMesh
         ``region`` counts the attributes in ``regions``.
     sources : Sources
-    regions : list of Attributes
-    directions : MaterialDirections
+    parts : list of Part
+        One of the deck itself and one of each superelement that has shells.
+    case : CaseControl
+    locks : tuple of Lock
+    notes : tuple of str
     """
 
     mesh: ShellMesh
     sources: Sources
-    regions: list[Attributes]
-    directions: MaterialDirections
-    _contents: Contents
-    locks: tuple[Lock, ...] = ()
-    notes: tuple[str, ...] = ()
+    parts: list[Part]
+    case: CaseControl
+    locks: tuple[Lock, ...]
+    notes: tuple[str, ...]
+    _union: Union
+
+    @property
+    def regions(self) -> list[Attributes]:
+        """What new elements of each region take over."""
+        return [attributes for part in self.parts for attributes in part.regions]
+
+    @property
+    def directions(self) -> MaterialDirections:
+        """The material directions of the first part."""
+        return self.parts[0].directions
+
+    def check_room(self) -> None:
+        """Raise InputError where there are too few free ids for what a repair may add."""
+        for part in self.parts:
+            part.check_room()
 
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the deck with ``mesh`` in the place of its shells.
 
         Lines of nodes that did not move and of shells that keep their nodes in their places stay
-        byte for byte, and so do all others but the loads of shells that are new or gone. Included
-        files go beside ``path`` where they change.
+        byte for byte, and so do all others but those that name what is new or gone. Included
+        files go below the folder of ``path`` where they change.
 
         Parameters
         ----------
@@ -82,17 +101,22 @@ class NastranDeck:
         if path.suffix.lower() not in NASTRAN:
             write_mesh(mesh, path)
             return
-        contents = self._contents
-        change = compare(
-            self.mesh,
-            mesh,
-            taken_nodes=_union(contents.taken, contents.references.nodes),
-            taken_elements=_union(contents.taken, contents.references.elements),
-            limit=LARGEST_ID,
-        )
-        angles = self.directions.changed_angles(mesh, change)
         splice = Splice(self.sources)
-        Update(mesh, change, self.regions, angles).splice(splice, contents)
+        of_nodes: dict[int, list[int]] = {}
+        of_shells: dict[int, list[int]] = {}
+        for part, mine in zip(self.parts, self._union.split(mesh), strict=True):
+            update = part.update(mine)
+            update.splice(splice)
+            for every, new in zip((of_nodes, of_shells), update.new_in_sets(), strict=True):
+                for number, ids in new.items():
+                    every.setdefault(number, []).extend(ids)
+        stream = self.sources.stream
+        both = {item.lines[0]: item for item in (*self.case.node_sets, *self.case.element_sets)}
+        joint = {
+            number: sorted({*of_nodes.get(number, []), *of_shells.get(number, [])})
+            for number in {*of_nodes, *of_shells}
+        }
+        splice_sets(splice, stream, both.values(), joint)
         splice.write(path, sections.include_lines)
 
 
@@ -105,56 +129,62 @@ def read_nastran(path: Path) -> NastranDeck:
         Where a file is missing or not text, a card cannot be read, or the mesh fails the checks of
         ``checked_mesh``.
     """
-    sources = read_sources(path, sections.find_includes)
-    case, bulk = sections.bulk_start(sources)
-    contents = sort_cards(sources, bulk)
-    references = contents.references
-    references.nodes.update(sections.output_nodes(sources.stream[case:bulk]))
-    shells = contents.shells
-    element_ids = np.array([integer_at(card, 0, sources) for card in shells], np.int64)
-    corners = _corners(shells, sources)
-    regions = find_regions(shells, element_ids, contents.pressures, contents.oriented)
-    used = set(corners.ravel().tolist())
-    grids = [card for card in contents.grids if int(card.field(0)) in used]
-    node_ids = np.array([int(card.field(0)) for card in grids], np.int64)
-    mesh = checked_mesh(
-        source=sources.name,
-        points=contents.systems.basic_points(grids),
-        node_ids=node_ids,
-        corners=corners,
-        element_ids=element_ids,
-        region=regions.region,
-        locked_nodes=references.nodes.mask(node_ids) | _fixed(grids),
-        locked_elements=references.elements.mask(element_ids) | ~regions.is_uniform,
-        node_place=lambda row: sources.where(grids[row].lines[0]),
-        element_place=lambda row: sources.where(shells[row].lines[0]),
-    )
-    mesh, before = part_by_direction(mesh, regions.angles)
+    sources = read_sources(path, sections.find_includes, find_symbols=sections.find_symbols)
+    start, found = sections.bulk_sections(sources)
+    begin = found[0].start
+    case = read_case_control(sources.stream[start:begin], start)
+    sources = write_out(sources, begin)
+    by_section = _sections(sources)
+    main = by_section.get(0, [])
+    foreign = [card for card in main if card.name.startswith(_NAME_OTHER_SECTIONS)]
+    contents = {
+        number: sort_cards(sources, cards, foreign if number else [])
+        for number, cards in by_section.items()
+    }
+    with_shells = {number: item for number, item in contents.items() if item.shells}
+    if not with_shells:
+        raise InputError(
+            f"{sources.name} holds no linear shell element: there is nothing to repair."
+        )
+    parts = [read_part(sources, item, case) for item in with_shells.values()]
+    if len(contents) > 1:
+        parts = [
+            _attached(part, [item for item in contents.values() if item is not part.contents])
+            for part in parts
+        ]
+    union = Union.of([part.mesh for part in parts], list(with_shells))
+    notes = [note for part in parts for note in part.notes]
+    if any(union.shifts):
+        notes.append("Ids of superelement n are counted from n,000,000,000, since some come twice.")
     return NastranDeck(
-        mesh=mesh,
+        mesh=union.mesh,
         sources=sources,
-        regions=[regions.attributes[region] for region in before],
-        directions=MaterialDirections.of(mesh, regions.angles),
-        _contents=contents,
+        parts=parts,
+        case=case,
+        locks=most_first([lock for part in parts for lock in part.locks]),
+        notes=tuple(notes),
+        _union=union,
     )
 
 
-def _corners(shells: Sequence[Card], sources: Sources) -> Ids:
-    """(M, 4) int64 node ids, 0 last in a tria."""
-    corners = np.zeros((len(shells), 4), np.int64)
-    for row, card in enumerate(shells):
-        count = CORNERS[card.name]
-        corners[row, :count] = [integer_at(card, 2 + i, sources) for i in range(count)]
-    return corners
+def _sections(sources: Sources) -> dict[int, list[Card]]:
+    """Cards by the numbers of their sections."""
+    found: dict[int, list[Card]] = {}
+    for section in sections.bulk_sections(sources)[1]:
+        cards = lex(sources.stream, section.start, sources.where, stop=section.stop)
+        found.setdefault(section.number, []).extend(cards)
+    return found
 
 
-def _fixed(grids: Sequence[Card]) -> Bools:
-    """Which GRIDs have an output system or a permanent constraint of their own."""
-    return np.array([(card.field(5) or "0") != "0" or bool(card.field(6)) for card in grids], bool)
-
-
-def _union(first: IdSet, second: IdSet) -> IdSet:
-    union = IdSet()
-    union.update(first)
-    union.update(second)
-    return union
+def _attached(part: Part, others: Sequence[Contents]) -> Part:
+    """Lock nodes that are joined to those of another section by their places."""
+    places = [item.systems.basic_points(item.grids) for item in others]
+    held = attached(part.mesh.points, np.concatenate(places))
+    locked = part.mesh.locked_nodes | held
+    locked.setflags(write=False)
+    lock = Lock("nodes", int(held.sum()), "the border of a superelement", "they stay in place")
+    return replace(
+        part,
+        mesh=replace(part.mesh, locked_nodes=locked),
+        locks=(*part.locks, lock) if lock.count else part.locks,
+    )

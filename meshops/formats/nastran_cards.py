@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from meshops.errors import InputError
@@ -47,6 +48,9 @@ class Card(NamedTuple):
 
 
 _SMALL, _WIDE = Form(), Form(wide=True)
+_FREE = re.compile(r"\s*[A-Za-z]\w*\*?\s*,")
+_WORDS = frozenset("THRU BY EXCEPT ALL ENDT SKIP UM ALPHA".split())  # noqa: SIM905 - words
+_BLANK_BEGINS_LINE = frozenset(("MPC", "CQUAD4", "CTRIA3", "CQUADR", "CTRIAR"))
 
 
 class _Row(NamedTuple):
@@ -57,44 +61,91 @@ class _Row(NamedTuple):
 
 
 def lex(
-    lines: Sequence[str], start: int, where: Callable[[int], str] = "line {}".format
-) -> Iterator[Card]:
-    """Cards of ``lines[start:]`` up to ENDDATA; ``where`` names the place of a line for messages.
+    lines: Sequence[str],
+    start: int,
+    where: Callable[[int], str] = "line {}".format,
+    *,
+    stop: int | None = None,
+) -> list[Card]:
+    """Cards of ``lines[start:stop]`` up to ENDDATA; ``where`` names a line for messages.
+
+    A continuation that bears a name may stand anywhere, since a deck may be sorted; it belongs to
+    the card whose line ends in that name.
 
     Raises
     ------
     InputError
-        Where cards are replicated with ``=`` or a continuation is away from its card.
+        Where a continuation belongs to no card.
     """
-    card: Card | None = None
-    marker, width = "", 0
-    for position in range(start, len(lines)):
-        row = _split(lines[position])
+    found: list[_Open] = []
+    waiting: dict[str, _Open] = {}
+    strays: list[tuple[int, _Row]] = []
+    for position in range(start, len(lines) if stop is None else stop):
+        row = split_line(lines[position])
         if row is None:
             continue
-        if not row.head or row.head[0] in "+*":
-            if card is None:
-                continue
-            _check_marker(marker, row.head, where(position) if marker else "")
-            # lines are shorter than their fields allow; the next line begins a row of its own
-            card.fields.extend([""] * (width - len(card.fields)))
-            card.fields.extend(row.fields)
-            card.lines.append(position)
-            marker, width = row.marker, width + max(len(row.fields), row.form.per_line)
+        if row.head and row.head[0] not in "+*":
+            name = row.head.rstrip("* ").upper()
+            if name.startswith("ENDDATA"):
+                break
+            found.append(_Open(Card(name, [], [], row.form)))
+        elif not found:
             continue
-        if card is not None:
-            yield card
-        name = row.head.rstrip("* ").upper()
-        if name.startswith("ENDDATA"):
-            return
-        if name.startswith("="):
+        elif not found[-1].is_followed_by(row):
+            strays.append((position, row))
+            continue
+        found[-1].append(position, row, waiting)
+    while strays:
+        left = []
+        for position, row in strays:
+            item = waiting.get(_continued_name(row.head))
+            if item is None:
+                left.append((position, row))
+            else:
+                item.append(position, row, waiting)
+        if len(left) == len(strays):
+            position, row = left[0]
             raise InputError(
-                f"{where(position)}: replicated cards ('=') are not read; write them out."
+                f"{where(position)}: the continuation '{row.head}' does not follow its card, and "
+                "no card ends in its name; put it right after its card."
             )
-        card = Card(name, row.fields, [position], row.form)
-        marker, width = row.marker, max(len(row.fields), row.form.per_line)
-    if card is not None:
-        yield card
+        strays = left
+    return [item.card for item in found]
+
+
+class _Open:
+    """A card while its lines are gathered: the marker that its last one ends in."""
+
+    def __init__(self, card: Card) -> None:
+        self.card = card
+        self.marker = ""
+        self.width = 0
+
+    def is_followed_by(self, row: _Row) -> bool:
+        child = _continued_name(row.head)
+        return not child or not self.marker.strip("+* ") or child in _names(self.marker)
+
+    def append(self, position: int, row: _Row, waiting: dict[str, _Open]) -> None:
+        # lines are shorter than their fields allow; the next line begins a row of its own
+        self.card.fields.extend([""] * (self.width - len(self.card.fields)))
+        self.card.fields.extend(row.fields)
+        self.card.lines.append(position)
+        self.width += max(len(row.fields), row.form.per_line)
+        self.marker = row.marker
+        for name in _names(row.marker):
+            waiting[name] = self
+
+
+def _names(marker: str) -> set[str]:
+    """Name a continuation of a line that ends in ``marker`` by what follows its first character.
+
+    '+A' is followed by '+A'; of an old 'CORD1' the first character only becomes a '+' too.
+    """
+    return {marker.lstrip("+*").strip().upper(), marker[1:].strip().upper()} - {""}
+
+
+def _continued_name(head: str) -> str:
+    return head[1:].strip().upper()
 
 
 def card_lines(name: str, fields: Sequence[str], form: Form) -> list[str]:
@@ -119,7 +170,8 @@ def card_lines(name: str, fields: Sequence[str], form: Form) -> list[str]:
     ]
 
 
-def _split(line: str) -> _Row | None:
+def split_line(line: str) -> _Row | None:
+    """Head, fields and marker of a line; None for a comment or a blank one."""
     text = line.rstrip("\r\n")
     if "$" in text:
         text = text[: text.index("$")]
@@ -127,7 +179,7 @@ def _split(line: str) -> _Row | None:
         text = text.expandtabs(8)
     if not text or text.isspace():
         return None
-    if "," in text[:10]:
+    if "," in text and ("," in text[:10] or _FREE.match(text)):
         return _split_free(text)
     head = text[:8].strip()
     marker = text[72:80].strip()
@@ -143,16 +195,19 @@ def _split_free(text: str) -> _Row:
     count = form.per_line
     fields, rest = tokens[:count], tokens[count:]
     marker = ""
-    if rest and (not rest[0] or rest[0][0] in "+*" or not rest[0][0].isdecimal()):
+    if rest and _is_marker(rest, head.rstrip("* ").upper()):
         marker, rest = rest[0], rest[1:]
     # some writers put more than eight fields on a line; none is to be lost
     return _Row(head, fields + rest, marker, form)
 
 
-def _check_marker(marker: str, head: str, place: str) -> None:
-    parent, child = marker.lstrip("+*").strip(), head.lstrip("+*").strip()
-    if parent and child and parent.upper() != child.upper():
-        raise InputError(
-            f"{place}: the continuation '{head}' does not follow its card, which ends in "
-            f"'{marker}'; put it right after its card."
-        )
+def _is_marker(rest: Sequence[str], name: str) -> bool:
+    """Whether the first of the fields beyond those of a line is a marker, or more data.
+
+    A marker is blank or begins with a plus, a star or a letter. The second line of some cards
+    begins with a blank; where just one stands between two numbers, it is that one.
+    """
+    first = rest[0].upper()
+    if not first:
+        return name not in _BLANK_BEGINS_LINE or len(rest) == 1 or not rest[1]
+    return first not in _WORDS and (first[0] in "+*" or first[0].isalpha())

@@ -66,7 +66,7 @@ _FIELDS: dict[str, str] = {
 _NAME_NOTHING: frozenset[str] = frozenset(
     word
     for word in """
-    PARAM INCLUDE BEGIN GRDSET SPOINT EPOINT CORD2R CORD2C CORD2S LOAD SPCADD MPCADD DLOAD GRAV
+    INCLUDE BEGIN GRDSET SPOINT EPOINT CORD2R CORD2C CORD2S LOAD SPCADD MPCADD DLOAD GRAV
     ACCEL NSMADD
     TEMPD TEMPADD EIGR EIGRL EIGB EIGC EIGP FREQ FREQ1 FREQ2 FREQ3 FREQ4 FREQ5 TSTEP TSTEPNL NLPARM
     NLPCI NLSTEP TLOAD1 TLOAD2 RLOAD1 RLOAD2 DESVAR DLINK DVPREL1 DVPREL2 DVMREL1 DVMREL2 DCONSTR
@@ -74,9 +74,11 @@ _NAME_NOTHING: frozenset[str] = frozenset(
     PSHELL PCOMP PCOMPG PCOMPS PSHEAR PSOLID PLSOLID PCOMPLS PBAR PBARL PBEAM PBEAML PBCOMP PBEND
     PROD PTUBE PBUSH PBUSHT PBUSH1D PELAS PELAST PDAMP PDAMPT PDAMP5 PMASS PGAP PVISC PFAST PWELD
     PSEAM PLPLANE PPLANE PAABSF CREEP SUPAX BCTSET BGSET BCPROP BCTPARM BGPARM
+    SPLINE1 SPLINE2 SPLINE4 SPLINE5 CAERO1 CAERO2 CAERO3 CAERO4 CAERO5 PAERO1 PAERO2 AEFACT AESTAT
+    AESURF AELIST AELINK AEPARM TRIM FLUTTER GUST RANDPS RANDT1
     """.split()  # noqa: SIM905 - a table of names reads better as text
 )
-_NAME_NOTHING_PREFIXES = ("MAT", "TABL", "TABR")
+_NAME_NOTHING_PREFIXES = ("MAT", "TAB")
 
 
 @dataclass(frozen=True)
@@ -87,17 +89,21 @@ class References:
     elements: IdSet = field(default_factory=IdSet)
 
 
-def collect(cards: Iterable[Card]) -> References:
-    """Collect the references of all cards; an unknown card refers to what its integers match."""
-    found = References()
+def collect(cards: Iterable[Card]) -> dict[str, References]:
+    """Collect the references of all cards, by the names of the cards.
+
+    An unknown card refers to what its integers match.
+    """
+    by_name: dict[str, References] = {}
     for card in cards:
+        found = by_name.setdefault(card.name, References())
         special = _SPECIAL.get(card.name)
         if special:
             special(card, found)
             continue
         for kind, pick in _rule(card.name):
             _read(found, kind, pick(card.fields))
-    return found
+    return by_name
 
 
 Pick = Callable[[Sequence[str]], Sequence[str]]
@@ -153,6 +159,12 @@ def _pload4(card: Card, found: References) -> None:
     found.nodes.read(card.fields[6:8])
 
 
+def _param(card: Card, found: References) -> None:
+    """N V, of which GRDPNT names the node that inertia is about."""
+    if card.field(0).upper() == "GRDPNT":
+        found.nodes.read([card.field(1)])
+
+
 def _rbe2(card: Card, found: References) -> None:
     """EID GN CM GM1 GM2 ... ALPHA (a real)."""
     found.nodes.read([card.field(1)])
@@ -191,6 +203,7 @@ def _set3(card: Card, found: References) -> None:
 
 
 _SPECIAL: dict[str, Callable[[Card, References], None]] = {
+    "PARAM": _param,
     "PLOAD4": _pload4,
     "RBE2": _rbe2,
     "RBE3": _rbe3,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from meshops.formats.nastran_cards import Card
-from meshops.formats.nastran_loads import Pressure, PressureCard
+from meshops.formats.nastran_pressures import ShellLoads
 from meshops.formats.nastran_shells import CORNERS, Attributes, attributes
 from meshops.mesh import Bools, Floats, Ids, Ints
 
@@ -42,15 +41,17 @@ class Regions:
 def find_regions(
     shells: Sequence[Card],
     element_ids: Ids,
-    pressures: Iterable[PressureCard],
+    loads: ShellLoads,
+    sets: Sequence[frozenset[int]],
     oriented: frozenset[str],
 ) -> Regions:
     """Sort shells by their attributes; those that differ in their angles alone are together.
 
     A blank THETA, and a THETA of zero where no element alike has another, say nothing of a
-    material direction; but they do in a property of ``oriented``.
+    material direction; but they do in a property of ``oriented``. ``sets`` are the numbers of the
+    output sets that each shell is in.
     """
-    kinds, kind = _kinds(shells, element_ids, pressures)
+    kinds, kind = _kinds(shells, element_ids, loads, sets)
     angled = {item.key_but_theta for item in kinds if item.angle or item.pid in oriented}
     angles: list[float] = []
     numbers: dict[tuple[object, ...], int] = {}
@@ -86,23 +87,19 @@ def oriented_properties(by_name: dict[str, list[Card]]) -> frozenset[str]:
 
 
 def _kinds(
-    shells: Sequence[Card], element_ids: Ids, pressures: Iterable[PressureCard]
+    shells: Sequence[Card], element_ids: Ids, loads: ShellLoads, sets: Sequence[frozenset[int]]
 ) -> tuple[list[Attributes], Ids]:
     """Different attributes in the order of their first shells, and which a shell has, (M,)."""
-    loads: dict[int, list[Pressure]] = defaultdict(list)
-    for load in pressures:
-        for element in load.elements:
-            loads[element].append(load.pressure)
     number_of_text: dict[tuple[object, ...], int] = {}
     kinds: list[Attributes] = []
     found: list[int] = []
-    for card, element in zip(shells, element_ids.tolist(), strict=True):
-        mine = tuple(loads.get(element, ()))
+    for card, element, mine in zip(shells, element_ids.tolist(), sets, strict=True):
+        even, graded = loads.even.get(element, ()), loads.graded.get(element, ())
         # cards typed alike are the rule: look only at what is new
         tail = card.fields[2 + CORNERS[card.name] :]
-        text = (card.name, card.field(1) or card.field(0), *tail, mine)
+        text = (card.name, card.field(1) or card.field(0), *tail, even, graded, mine)
         number = number_of_text.setdefault(text, len(kinds))
         if number == len(kinds):
-            kinds.append(attributes(card, mine))
+            kinds.append(attributes(card, even)._replace(graded=graded, sets=mine))
         found.append(number)
     return kinds, np.array(found, np.int64)

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
-from meshops.errors import InputError
-from meshops.formats.ids import IdSet
 from meshops.formats.sources import Sources, Statement
 
 _INCLUDE = re.compile(r"\s*INCLUDE(?:\s*=\s*|\s+|(?=['\"]))(.*)", re.IGNORECASE | re.DOTALL)
+_ASSIGN = re.compile(r"\s*ASSIGN\s+(\w+)\s*=\s*(?:'([^']*)'|([^\s,']+))", re.IGNORECASE)
 _BEGIN = re.compile(r"\s*BEGIN\b", re.IGNORECASE)
 _CEND = re.compile(r"\s*CEND\b", re.IGNORECASE)
-_SET = re.compile(r"\s*SET\s+(\d+)\s*=\s*(.*)", re.IGNORECASE | re.DOTALL)
-_REQUEST = re.compile(r"\s*(\w+)\s*(?:\([^)]*\))?\s*=\s*(\d+)\s*")
-_NODE_OUTPUT = (
-    *("DISP", "VECT", "PRES", "SPCF", "OLOA", "VELO", "ACCE", "MPCF", "GPFO", "THER", "SVEC"),
-    *("SDIS", "SVEL", "SACC", "NLLO", "GPKE", "PART"),
-)
+_PART = re.compile(r"\b(?:SUPER|AUXMODEL)\s*=\s*(\d+)", re.IGNORECASE)
 
 
 def find_includes(lines: Sequence[str]) -> list[Statement]:
@@ -38,6 +33,18 @@ def find_includes(lines: Sequence[str]) -> list[Statement]:
     return found
 
 
+def find_symbols(lines: Sequence[str]) -> dict[str, str]:
+    """Logical names that ASSIGN statements give to folders, in capitals."""
+    found = {}
+    for line in lines:
+        match = _ASSIGN.match(line) if line.lstrip()[:1] in ("A", "a") else None
+        if match:
+            found[match[1].upper()] = match[2] or match[3]
+        elif _BEGIN.match(line):
+            break
+    return found
+
+
 def include_lines(_lines: Sequence[str], written: str) -> list[str]:
     """Write an INCLUDE statement, broken after slashes to stay within 72 columns."""
     rows = ["INCLUDE '"]
@@ -49,58 +56,54 @@ def include_lines(_lines: Sequence[str], written: str) -> list[str]:
     return rows
 
 
-def bulk_start(sources: Sources) -> tuple[int, int]:
-    """Positions in the stream where case control and bulk data start.
+class Section(NamedTuple):
+    """A bulk data section: the deck's own (0), or that of a superelement or auxiliary model."""
 
-    Raises
-    ------
-    InputError
-        Where there is a second bulk section, as in decks of superelements.
+    number: int
+    start: int
+    stop: int
+
+
+def bulk_sections(sources: Sources) -> tuple[int, list[Section]]:
+    """Position in the stream where case control starts, and the sections of bulk data.
+
+    Ids are those of a section; what begins without a number of its own belongs to the deck's.
     """
-    case = bulk = 0
+    case = start = number = 0
+    begun = False
+    sections: list[Section] = []
+    end = len(sources.stream)
     for position, line in enumerate(sources.stream):
         initial = line.lstrip()[:1]
         if initial not in ("B", "b", "C", "c", "E", "e"):
             continue
         if line.lstrip()[:7].upper() == "ENDDATA":
+            end = position
             break
-        if _CEND.match(line) and not bulk:
-            case = position + 1
+        if _CEND.match(line) and not begun:
+            case = start = position + 1
         elif _BEGIN.match(line):
-            if bulk:
-                raise InputError(
-                    f"{sources.where(position)}: a second bulk section begins here; "
-                    "put each superelement into a deck of its own."
-                )
-            bulk = position + 1
-    return case, max(case, bulk)
+            own = _PART.search(line.split("$")[0])
+            # what is before the first BEGIN is case control, but for a deck of parts without any
+            if begun or (own and not case):
+                sections.append(Section(number, start, position))
+            number, start, begun = int(own[1]) if own else 0, position + 1, True
+    sections.append(Section(number, start, end))
+    return case, sections
 
 
-def output_nodes(lines: Sequence[str]) -> IdSet:
-    """Nodes in the case control SETs that an output request of nodes uses."""
-    sets: dict[int, IdSet] = {}
-    wanted = []
-    for statement in _statements(lines):
-        definition = _SET.match(statement)
-        request = _REQUEST.fullmatch(statement)
-        if definition:
-            sets[int(definition[1])] = ids = IdSet()
-            ids.read(re.split(r"[\s,]+", definition[2]))
-        elif request and request[1].upper().startswith(_NODE_OUTPUT):
-            wanted.append(int(request[2]))
-    nodes = IdSet()
-    for number in wanted:
-        nodes.update(sets.get(number, IdSet()))
-    return nodes
-
-
-def _statements(lines: Sequence[str]) -> Iterator[str]:
+def statements(lines: Sequence[str]) -> Iterator[tuple[str, list[int]]]:
+    """Statements of case control, those that go on after a comma put together, and their lines."""
     pending = ""
-    for line in lines:
+    rows: list[int] = []
+    for row, line in enumerate(lines):
         text = pending + line.split("$")[0].strip()
+        rows.append(row)
         pending = f"{text} " if text.endswith(",") else ""
         if not pending:
-            yield text
+            if text:
+                yield text, rows
+            rows = []
 
 
 def _path(lines: Sequence[str], stop: int, text: str) -> tuple[str, int]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from meshops.formats.fortran import canonical, real, real_field
 from meshops.formats.nastran_cards import Card, Form, card_lines
-from meshops.formats.nastran_loads import Pressure
+from meshops.formats.nastran_loads import Layer, Pressure
 
 CORNERS = {"CQUAD4": 4, "CTRIA3": 3, "CQUADR": 4, "CTRIAR": 3}
 """The cards that are elements here, and their numbers of nodes."""
@@ -19,8 +19,9 @@ _TRIAS = {"CQUAD4": "CTRIA3", "CQUADR": "CTRIAR"}
 class Attributes(NamedTuple):
     """What a deck says of a shell besides its id and nodes, as typed.
 
-    A tria has no T4; where it has thicknesses, T4 repeats T3, so that a tria and a quad of uniform
-    thickness can be of one region.
+    ``pressures`` are even loads, ``graded`` fields of load and the areas of them, ``sets`` numbers
+    of output sets. A tria has no T4; where it has thicknesses, T4 repeats T3, so that a tria and a
+    quad of uniform thickness can be of one region.
     """
 
     quad: str
@@ -31,6 +32,8 @@ class Attributes(NamedTuple):
     thickness: tuple[str, str, str, str]
     form: Form
     pressures: tuple[Pressure, ...] = ()
+    graded: tuple[tuple[Layer, int], ...] = ()
+    sets: frozenset[int] = frozenset()
 
     @property
     def key_but_theta(self) -> tuple[object, ...]:
@@ -42,6 +45,8 @@ class Attributes(NamedTuple):
             "" if self.tflag == "0" else self.tflag,
             *map(canonical, self.thickness),
             tuple(sorted(pressure.key for pressure in self.pressures)),
+            tuple(sorted(self.graded)),
+            self.sets,
         )
 
     @property

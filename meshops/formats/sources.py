@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
-from typing import NamedTuple
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Literal, NamedTuple
 
 from meshops.errors import InputError
 
@@ -30,18 +31,67 @@ class Include(NamedTuple):
 
 
 FindIncludes = Callable[[Sequence[str]], list[Statement]]
+FindSymbols = Callable[[Sequence[str]], Mapping[str, str]]
+Where = Literal["beside", "root"]
+
+_BYTE_ORDER_MARK = "\xef\xbb\xbf"
+
+
+@dataclass(frozen=True)
+class Search:
+    """Where an include statement looks for its file.
+
+    Attributes
+    ----------
+    order : tuple of 'beside' and 'root'
+        In the folder of the including file, and in that of the first one.
+    symbols : dict of str to str
+        Folders by their logical names, in capitals; the environment may define others.
+    """
+
+    order: tuple[Where, ...] = ("beside", "root")
+    symbols: dict[str, str] = field(default_factory=dict)
+
+    def candidates(self, written: str, *, beside: Path, root: Path) -> list[Path]:
+        """Paths that a statement may mean, in the order in which they are tried."""
+        symbol, rest = split_symbol(written)
+        if not symbol:
+            folders = {"beside": beside, "root": root}
+            return [_join(folders[where], written) for where in self.order]
+        folder = self._folder(symbol)
+        if folder is not None:
+            return [_join(_join(root, folder), rest)]
+        return [_join(beside, rest), _join(root, rest)]
+
+    def is_relative(self, written: str) -> bool:
+        """Tell whether what a statement means depends on where the deck is."""
+        symbol, rest = split_symbol(written)
+        path = (self._folder(symbol) or rest) if symbol else written
+        return not (PurePosixPath(path).is_absolute() or PureWindowsPath(path).is_absolute())
+
+    def _folder(self, symbol: str) -> str | None:
+        return self.symbols.get(symbol.upper(), os.environ.get(symbol))
+
+
+def split_symbol(written: str) -> tuple[str, str]:
+    """('SYM', 'file') of 'SYM:file'; the symbol is '' where there is none, as in 'C:/file'."""
+    symbol, colon, rest = written.partition(":")
+    is_symbol = bool(colon) and len(symbol) > 1 and symbol.isidentifier()
+    return (symbol, rest.lstrip("/\\")) if is_symbol else ("", written)
 
 
 @dataclass(frozen=True)
 class SourceFile:
     """One file: its resolved path, its lines with their line ends, its includes.
 
-    Bytes are decoded as latin-1, which gives every byte back on writing.
+    Bytes are decoded as latin-1, which gives every byte back on writing. A byte order mark stands
+    before the first line and not in it.
     """
 
     path: Path
     lines: list[str]
     includes: list[Include] = field(default_factory=list)
+    byte_order_mark: str = ""
 
 
 @dataclass(frozen=True)
@@ -56,11 +106,17 @@ class Sources:
         The lines as the solver sees them: include statements replaced by what they include.
     places : list of (file, line)
         Where each line of the stream comes from, both counted from 0.
+    search : Search
+    groups : list of list of int
+        Positions of lines that stand for each other, as where a line says 'eight times the same'
+        and the stream holds all eight: where one changes, all are written out.
     """
 
     files: list[SourceFile] = field(default_factory=list)
     stream: list[str] = field(default_factory=list)
     places: list[tuple[int, int]] = field(default_factory=list)
+    search: Search = field(default_factory=Search)
+    groups: list[list[int]] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -94,58 +150,91 @@ def read_lines(path: Path) -> list[str]:
     return [line.decode("latin-1") for line in data.splitlines(keepends=True)]
 
 
-def read_sources(path: Path, find_includes: FindIncludes) -> Sources:
+def read_sources(
+    path: Path,
+    find_includes: FindIncludes,
+    *,
+    order: tuple[Where, ...] = ("beside", "root"),
+    find_symbols: FindSymbols | None = None,
+) -> Sources:
     """Read a deck with everything that it includes.
 
-    Paths in include statements are relative to the file that holds them.
+    Parameters
+    ----------
+    order
+        Where an included file is looked for: beside the file that includes it, and in the folder
+        of the deck.
+    find_symbols
+        Finds the logical names that the lines of a file define, in capitals.
 
     Raises
     ------
     InputError
         Where a file is missing, is not text, or includes itself.
     """
-    sources = Sources()
-    _visit(path.resolve(), sources, find_includes, parents=())
+    sources = Sources(search=Search(order))
+    _visit(path.resolve(), sources, find_includes, find_symbols, parents=())
     return sources
 
 
-def locate(folder: Path, written: str) -> Path:
-    """Name the file that an include statement in a file of ``folder`` means."""
+def _join(folder: Path, written: str) -> Path:
     return (folder / PurePosixPath(written.replace("\\", "/"))).resolve()
 
 
 def _visit(
-    path: Path, sources: Sources, find_includes: FindIncludes, parents: tuple[Path, ...]
+    path: Path,
+    sources: Sources,
+    find_includes: FindIncludes,
+    find_symbols: FindSymbols | None,
+    parents: tuple[Path, ...],
 ) -> int:
     known = {file.path: number for number, file in enumerate(sources.files)}
     number = known.get(path, len(sources.files))
     again = path in known
     if not again:
-        sources.files.append(SourceFile(path, read_lines(path)))
+        sources.files.append(_read_file(path))
     file = sources.files[number]
+    if find_symbols is not None:
+        sources.search.symbols.update(find_symbols(file.lines))
     start = 0
     for statement in find_includes(file.lines):
         _append(sources, number, start, statement.stop if statement.stays else statement.first)
         start = statement.stop
-        target = _included(file, statement, (*parents, path))
-        child = _visit(target, sources, find_includes, (*parents, path))
+        target = _included(sources, file, statement, (*parents, path))
+        child = _visit(target, sources, find_includes, find_symbols, (*parents, path))
         if not again:
             file.includes.append(Include(statement, child))
     _append(sources, number, start, len(file.lines))
     return number
 
 
-def _included(file: SourceFile, statement: Statement, parents: tuple[Path, ...]) -> Path:
-    target = locate(file.path.parent, statement.written)
+def _read_file(path: Path) -> SourceFile:
+    lines = read_lines(path)
+    mark = _BYTE_ORDER_MARK if lines and lines[0].startswith(_BYTE_ORDER_MARK) else ""
+    if mark:
+        lines[0] = lines[0].removeprefix(mark)
+    return SourceFile(path, lines, byte_order_mark=mark)
+
+
+def _included(
+    sources: Sources, file: SourceFile, statement: Statement, parents: tuple[Path, ...]
+) -> Path:
+    beside, root = file.path.parent, sources.files[0].path.parent
+    candidates = sources.search.candidates(statement.written, beside=beside, root=root)
+    found = [path for path in candidates if path.is_file()]
+    others = [path for path in found if path not in parents]
     place = f"{file.path.name}, line {statement.first + 1}"
-    if target in parents:
+    if found and not others:
         raise InputError(f"{place}: '{statement.written}' includes itself; remove the statement.")
-    if not target.is_file():
+    if not found:
+        folders = " or ".join(dict.fromkeys(str(path.parent) for path in candidates))
+        symbol = split_symbol(statement.written)[0]
+        remedy = f"define {symbol} by an ASSIGN or in the environment" if symbol else "put it there"
         raise InputError(
-            f"{place}: the included file '{statement.written}' does not exist in "
-            f"{file.path.parent}; put it there or correct the path."
+            f"{place}: the included file '{statement.written}' does not exist in {folders}; "
+            f"{remedy} or correct the path."
         )
-    return target
+    return others[0]
 
 
 def _append(sources: Sources, number: int, start: int, stop: int) -> None:

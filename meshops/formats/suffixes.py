@@ -6,10 +6,10 @@ from pathlib import Path
 
 from meshops.errors import InputError
 
-NASTRAN = (".bdf", ".dat", ".nas", ".blk")
+NASTRAN = (".bdf", ".dat", ".nas", ".blk", ".fem")
 ABAQUS = (".inp",)
 INTERCHANGE = (".vtu", ".msh", ".stl", ".obj", ".off")
-KNOWN = NASTRAN + ABAQUS + INTERCHANGE
+KNOWN = (*(suffix for suffix in NASTRAN + ABAQUS + INTERCHANGE if suffix != ".fem"), ".fem")
 
 
 def check_suffix(path: Path) -> None:

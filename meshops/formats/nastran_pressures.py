@@ -1,0 +1,177 @@
+"""Fields of pressure: which loads on shells are even over areas, and which differ by element.
+
+An even load is an attribute of its shells, and its area keeps its border. A load that differs from
+element to element is a sample of a field: neighbours of different values are of one region all the
+same, and what is meshed anew there gets the field as it was.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from meshops.formats.fortran import real
+from meshops.formats.nastran_loads import Layer, Pressure, PressureCard
+from meshops.mesh import Ids, Ints
+
+SMALLEST_AREA = 4
+"""Elements: fewer of one value are samples of a field and not an area of its own."""
+
+FEWEST_SAMPLES = 5
+"""Different values of a layer: fewer make a field of it only where they differ little."""
+
+SMALLEST_STEP = 0.05
+"""Areas whose values differ by less, relative to the larger one, are steps of one field."""
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Pressures of one layer that differ from element to element.
+
+    Attributes
+    ----------
+    sample : Pressure
+        How it is typed.
+    values : dict of int to tuple of float
+        By element id: one value, or one at each corner.
+    """
+
+    sample: Pressure
+    values: dict[int, tuple[float, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class ShellLoads:
+    """Loads of shells, even ones and fields.
+
+    Attributes
+    ----------
+    even : dict of int to tuple of Pressure
+        By element id.
+    graded : dict of int to tuple of (Layer, int)
+        By element id: the fields that it is a sample of, and in which of their areas it is.
+    fields : dict of Layer to Field
+    """
+
+    even: dict[int, tuple[Pressure, ...]]
+    graded: dict[int, tuple[tuple[Layer, int], ...]]
+    fields: dict[Layer, Field]
+
+
+def sort_loads(cards: Iterable[PressureCard], element_ids: Ids, corners: Ids) -> ShellLoads:
+    """Tell even loads from fields.
+
+    Parameters
+    ----------
+    element_ids, corners : (M,) int64, (M, 4) int64
+        Of all shells; a tria has 0 last.
+    """
+    layers: dict[Layer, dict[int, list[Pressure]]] = defaultdict(lambda: defaultdict(list))
+    order = np.argsort(element_ids)
+    ascending = element_ids[order]
+    for card in cards:
+        by_row = layers[card.pressure.layer]
+        for row in _rows(card.elements, ascending, order):
+            by_row[row].append(card.pressure)
+    pairs = _neighbours(corners)
+    even: dict[int, list[Pressure]] = defaultdict(list)
+    graded: dict[int, list[tuple[Layer, int]]] = defaultdict(list)
+    fields: dict[Layer, Field] = {}
+    for layer, by_row in layers.items():
+        area, is_field = _areas(by_row, pairs, len(element_ids))
+        for row, loads in by_row.items():
+            element = int(element_ids[row])
+            if not is_field[row]:
+                even[element] += loads
+                continue
+            field = fields.setdefault(layer, Field(loads[0], {}))
+            field.values[element] = _sum(loads)
+            graded[element].append((layer, int(area[row])))
+    return ShellLoads(
+        {element: tuple(loads) for element, loads in even.items()},
+        {element: tuple(found) for element, found in graded.items()},
+        fields,
+    )
+
+
+def _rows(elements: Sequence[int], ascending: Ids, order: Ids) -> list[int]:
+    """Rows of the shells among some element ids."""
+    if isinstance(elements, range):
+        first, stop = np.searchsorted(ascending, [elements.start, elements.stop])
+        rows: list[int] = order[first:stop].tolist()
+        return rows
+    places = np.searchsorted(ascending, elements)
+    places = np.minimum(places, len(ascending) - 1)
+    found: list[int] = order[places[ascending[places] == elements]].tolist()
+    return found
+
+
+def _neighbours(corners: Ids) -> Ids:
+    """(P, 2) rows of elements that share an edge which no third one has."""
+    rows, sides = np.nonzero(corners)
+    size = np.where(corners[:, 3] == 0, 3, 4)[rows]
+    ends = np.stack([corners[rows, sides], corners[rows, (sides + 1) % size]], axis=1)
+    _, edge, uses = np.unique(
+        np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True
+    )
+    edge = edge.reshape(-1)
+    inner = uses[edge] == 2
+    order = np.argsort(edge[inner], kind="stable")
+    pairs: Ids = rows[inner][order].reshape(-1, 2)
+    return pairs
+
+
+def _areas(
+    by_row: dict[int, list[Pressure]], pairs: Ids, count: int
+) -> tuple[Ints, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
+    """Area of each row, and whether its values differ; of rows with loads, all others mean nothing.
+
+    Rows of equal loads that touch make an area. Areas that touch are one where they differ little,
+    or where one of many is small.
+    """
+    kinds: dict[tuple[object, ...], int] = {}
+    kind = np.full(count, -1, np.int64)
+    size: list[float] = []
+    corners_differ: list[bool] = []
+    for row, loads in by_row.items():
+        key = tuple(sorted(load.key for load in loads))
+        if key not in kinds:
+            kinds[key] = len(kinds)
+            values = _sum(loads)
+            size.append(float(np.mean(values)))
+            corners_differ.append(len(values) > 1)
+        kind[row] = kinds[key]
+    values_of = np.array(size)
+    pairs = pairs[(kind[pairs] >= 0).all(axis=1)]
+    left, right = pairs.T
+    uneven = np.array(corners_differ)[kind] & (kind >= 0)
+    same = (kind[left] == kind[right]) & ~uneven[left]
+    patch = _components(pairs[same], count)
+    elements = np.bincount(patch[kind >= 0], minlength=patch.max() + 1)
+    one, other = values_of[kind[left]], values_of[kind[right]]
+    small = np.minimum(elements[patch[left]], elements[patch[right]]) < SMALLEST_AREA
+    small &= len(kinds) >= FEWEST_SAMPLES
+    near = np.abs(one - other) <= SMALLEST_STEP * np.maximum(np.abs(one), np.abs(other))
+    area = _components(pairs[same | small | near], count)
+    differs = np.zeros(area.max() + 1, bool)
+    differs[area[uneven]] = True
+    differs[area[left[(small | near) & ~same]]] = True
+    return area, differs[area] & (kind >= 0)
+
+
+def _components(pairs: Ids, count: int) -> Ints:
+    graph = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), (count, count))
+    label: Ints = connected_components(graph, directed=False)[1]
+    return label
+
+
+def _sum(loads: Sequence[Pressure]) -> tuple[float, ...]:
+    """Pressure of loads together: one value, or four where corners differ."""
+    values = np.array([np.resize([real(text) for text in load.values], 4) for load in loads])
+    total = tuple(values.sum(axis=0).tolist())
+    return total[:1] if len(set(total)) == 1 else total
