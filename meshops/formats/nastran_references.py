@@ -14,6 +14,7 @@ from functools import cache
 
 from meshops.formats.ids import IdSet
 from meshops.formats.nastran_cards import Card
+from meshops.formats.nastran_shells import CORNERS
 
 _FIELDS: dict[str, str] = {
     "SPC": "n1 n4",
@@ -209,7 +210,7 @@ def used_sets(cards: Iterable[Card], numbers: Collection[int]) -> Iterator[Card]
         return
     used = {str(number) for number in numbers}
     for card in every:
-        if card.name not in _SPECIAL and _is_unknown(card.name):
+        if card.name not in (*_SPECIAL, *CORNERS, "GRID") and _is_unknown(card.name):
             used.update(card.fields)
     for card in every:
         if card.name != "SET" or card.field(0) in used:
