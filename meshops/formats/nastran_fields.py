@@ -29,6 +29,9 @@ _GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 _NEAREST = 16
 """Triangles of the old mesh among which the one that holds a point is looked for."""
 
+_AT_ONCE = 20_000
+"""Points looked for together: memory stays small."""
+
 _FORCE_FIRST = 1e3
 """Weight of an error of force against one of moment, where both cannot be kept."""
 
@@ -53,6 +56,7 @@ def carried_pressures(
     touched[change.rewired] = True
     touched[change.new_elements] = True
     found: dict[int, list[Pressure]] = {}
+    is_tria = after.is_tria
     for region in np.unique(after.region[touched]).tolist():
         new = np.flatnonzero(touched & (after.region == region))
         old = np.flatnonzero(before.region == region)
@@ -63,7 +67,7 @@ def carried_pressures(
             acting = _acting(field.sample, systems, asked_by)
             pressures = carry_over(before, old, values, after, new, acting)
             for row, at_corners in zip(new.tolist(), pressures.tolist(), strict=True):
-                load = field.sample.with_values(_typed(at_corners, bool(after.is_tria[row])))
+                load = field.sample.with_values(_typed(at_corners, bool(is_tria[row])))
                 found.setdefault(row, []).append(load)
     return found
 
@@ -232,20 +236,31 @@ def _field_at(mesh: ShellMesh, rows: Ids, values: Floats, points: Floats) -> Flo
     at_corners = np.concatenate([values[:, [0, 1, 2]], values[is_quad][:, [0, 2, 3]]])
     a, b, c = (mesh.points[corners[:, k]] for k in range(3))
     count = min(_NEAREST, len(corners))
-    near: Ids = KDTree((a + b + c) / 3).query(points, k=count)[1].reshape(len(points), count)
-    u, v = b - a, c - a
-    normal = np.cross(u, v)
-    square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
-    offset = points[:, None] - a[near]
-    second = np.einsum("pkd,pkd->pk", np.cross(offset, v[near]), normal[near]) / square[near]
-    third = np.einsum("pkd,pkd->pk", np.cross(u[near], offset), normal[near]) / square[near]
-    weights = np.stack([1 - second - third, second, third], axis=2)
-    height = np.einsum("pkd,pkd->pk", offset, normal[near]) / square[near] ** 0.75
-    # how far outside, and how far off its plane, in lengths of the triangle
-    miss = np.maximum(-weights.min(axis=2), 0.0) + np.abs(height)
-    best = np.argmin(miss, axis=1)
-    row = np.arange(len(points))
-    inside = np.clip(weights[row, best], 0.0, None)
-    inside /= inside.sum(axis=1, keepdims=True)
-    found: Floats = np.einsum("pk,pk->p", inside, at_corners[near[row, best]])
+    tree = KDTree((a + b + c) / 3)
+    found = np.empty(len(points))
+    for start in range(0, len(points), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        near = tree.query(points[part], k=count)[1].reshape(-1, count)
+        weights, miss = _within(points[part], a[near], b[near], c[near])
+        best = np.argmin(miss, axis=1)
+        row = np.arange(len(best))
+        inside = np.clip(weights[row, best], 0.0, None)
+        inside /= inside.sum(axis=1, keepdims=True)
+        found[part] = np.einsum("pk,pk->p", inside, at_corners[near[row, best]])
     return found
+
+
+def _within(points: Floats, a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
+    """Barycentric coordinates (P, k, 3) of points (P, 3) in triangles of corners (P, k, 3).
+
+    And how far a point is outside of each or off its plane, in lengths of the triangle, (P, k).
+    """
+    u, v, offset = b - a, c - a, points[:, None] - a
+    normal = np.cross(u, v)
+    square = np.maximum(np.einsum("pkd,pkd->pk", normal, normal), 1e-300)
+    second = np.einsum("pkd,pkd->pk", np.cross(offset, v), normal) / square
+    third = np.einsum("pkd,pkd->pk", np.cross(u, offset), normal) / square
+    weights = np.stack([1 - second - third, second, third], axis=2)
+    height = np.einsum("pkd,pkd->pk", offset, normal) / square**0.75
+    miss: Floats = np.maximum(-weights.min(axis=2), 0.0) + np.abs(height)
+    return weights, miss
