@@ -28,6 +28,7 @@ def sentence_of(path):
         (GRIDS, "deck.bdf holds no linear shell element"),
         (QUAD, "line 1: element 7 names nodes, but there are none"),
         (GRIDS + "CQUAD4,7,3,1,2,3,9\n", "line 5: element 7 names node 9, which is not defined"),
+        (GRIDS + "CQUAD4,7,3,1,2,2,4\n", "line 5: element 7 names node 2 twice"),
         (GRIDS + "CTRIA3,7,3,1,2,2\n", "line 5: element 7 names node 2 twice"),
         (GRIDS + "CQUAD4,7,3,1,2,1,4\n", "line 5: element 7 names node 1 twice"),
         (GRIDS + "CQUAD4,7,3,1,1,4,4\n", "line 5: element 7 names node 1 twice"),

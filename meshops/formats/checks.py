@@ -154,6 +154,8 @@ def on_same_nodes(elements: Ints | Ids) -> Bools:
 def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
     """Turn quads that name a node twice in a row into the trias that they mean.
 
+    Where all elements do so there is no mesh, but a mistake: then they are left.
+
     Parameters
     ----------
     corners : (M, 4) int64
@@ -168,6 +170,8 @@ def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
     distinct = np.array([len(set(row)) for row in corners[twice.any(axis=1)].tolist()], int)
     rows = np.flatnonzero(twice.any(axis=1))[distinct == 3]
     is_repeated = np.zeros(len(corners), bool)
+    if len(rows) == len(corners):
+        return corners, is_repeated
     is_repeated[rows] = True
     found = corners.copy()
     keep = ~twice[rows]
