@@ -70,6 +70,12 @@ def sentence_of(path):
             "line 8: element 7 names nodes, but there are none",
         ),
         ("\0\0GRID", "is not a text file"),
+        (
+            GRIDS.replace("1.,0.,0.", "1.,0.,0.,5 3") + QUAD,
+            "field 7 of GRID is '5 3'; it has to be",
+        ),
+        (GRIDS + "=,*1,=\n=2000000\n" + QUAD, "line 6: '=2000000' makes more than 100,000"),
+        ("ENDDAT,*5.,==\n=2\n", "holds no linear shell element"),
     ],
 )
 def test_nastran(tmp_path, text, words):

@@ -199,7 +199,7 @@ def card_lines(name: str, fields: Sequence[str], form: Form) -> list[str]:
     count = Form(wide=wide).per_line
     # a card in wide fields has an even number of lines
     used = [*fields[:last], *[""] * (-last % 8 if wide else 0)]
-    rows = [used[i : i + count] for i in range(0, len(used), count)]
+    rows = [used[i : i + count] for i in range(0, len(used), count)] or [[]]
     heads = [name + "*" * wide, *(("*" if wide else "+") for _ in rows[1:])]
     if form.free:
         lines = [",".join([head, *row]) for head, row in zip(heads, rows, strict=True)]

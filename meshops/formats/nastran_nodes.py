@@ -14,7 +14,9 @@ from meshops.formats.nastran_cards import Card, Form, card_lines
 from meshops.formats.nastran_case import SetDefinition, grown_set
 from meshops.formats.nastran_contents import Contents
 from meshops.formats.nastran_memberships import Family, NodeCard, growth
+from meshops.formats.nastran_systems import integer_at
 from meshops.formats.node_attributes import Membership, Memberships
+from meshops.formats.sources import Sources
 from meshops.formats.splice import Splice
 from meshops.mesh import Bools, Ids
 
@@ -36,14 +38,16 @@ def grid_fields(grid: Card, grdset: Card | None) -> GridFields:
 
 
 def node_memberships(
-    contents: Contents, node_sets: Iterable[SetDefinition], node_ids: Ids
+    contents: Contents, node_sets: Iterable[SetDefinition], node_ids: Ids, sources: Sources
 ) -> list[Memberships]:
-    """Memberships of each node, (N,)."""
+    """Memberships of each node, (N,); raises InputError where an output system is no number."""
     found: list[set[Membership]] = []
     systems = []
     for node in node_ids.tolist():
-        fields = grid_fields(contents.grid_by_id[node], contents.grdset)
-        system = int(fields.system or "0")
+        grid, grdset = contents.grid_by_id[node], contents.grdset
+        fields = grid_fields(grid, grdset)
+        holder = grid if grid.field(5) or not grdset else grdset
+        system = integer_at(holder, 5, sources, 0)
         systems.append(system)
         mine = {Membership(("PS", digit, system)) for digit in fields.constraints}
         if system:

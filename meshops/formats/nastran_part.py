@@ -161,7 +161,7 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
         node_place=lambda row: sources.where(grids[row].lines[0]),
         element_place=lambda row: sources.where(shells[row].lines[0]),
     )
-    memberships = nodes.node_memberships(contents, case.node_sets, mesh.node_ids)
+    memberships = nodes.node_memberships(contents, case.node_sets, mesh.node_ids, sources)
     shared = share_memberships(mesh.elements, mesh.region, memberships)
     held = nodes.held_nodes(contents, mesh.node_ids)
     locked_nodes = np.logical_or.reduce([mesh.locked_nodes, shared.locked_nodes, *held.values()])
