@@ -117,7 +117,7 @@ def read_journal(folder: Path) -> list[Event]:
             events += [_decoded(row["kind"], row["payload"]) for row in batch.to_pylist()]
     except (pa.ArrowException, OSError, MemoryError):
         pass  # the stream is cut off here, as a killed process leaves it
-    except json.JSONDecodeError as error:
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise TrackingError(
             f"{path} is damaged ({error}): remove it, or start the run anew."
         ) from None
