@@ -36,6 +36,7 @@ def sentence_of(path):
             GRIDS + QUAD + QUAD,
             "line 6: element 7 is defined a second time (first: deck.bdf, line 5",
         ),
+        (GRIDS + QUAD + "CQUAD4,8,3,3,4,1,2\n", "line 6: elements 7 and 8 lie on the same nodes"),
         (GRIDS + "GRID,2,,1.,0.,.5\n" + QUAD, "line 5: node 2 is defined a second time"),
         (GRIDS + "GRID,2,,1.,0.,0.,5\n" + QUAD, "line 5: node 2 is defined a second time"),
         (GRIDS.replace("1.,1.", "1.,nan") + QUAD, "line 3: node 3 has a coordinate that is not"),

@@ -46,7 +46,7 @@ def checked_mesh(
     ------
     InputError
         No element; a coordinate that is not finite; a node or element id used twice; an element
-        that names a missing node or one node twice.
+        that names a missing node or one node twice; no element that is alone on its nodes.
     """
     if not len(corners):
         raise InputError(f"{source} holds no linear shell element: there is nothing to repair.")
@@ -55,6 +55,9 @@ def checked_mesh(
     nodes = _distinct_nodes(node_ids, points, node_place)
     elements = _element_rows(corners, node_ids[nodes], element_ids, element_place)
     _check_repeated_nodes(elements, corners, element_ids, element_place)
+    same = on_same_nodes(elements)
+    if same.all():
+        _refuse_same_nodes(elements, element_ids, element_place)
     used = np.unique(elements[elements != NO_NODE])
     compact = np.where(elements == NO_NODE, NO_NODE, np.searchsorted(used, elements))
     # nodes keep the order of the file, not that of their ids
@@ -67,7 +70,7 @@ def checked_mesh(
         elements=np.where(compact == NO_NODE, NO_NODE, rank[compact]),
         region=region,
         locked_nodes=locked_nodes[kept],
-        locked_elements=locked_elements | on_same_nodes(elements),
+        locked_elements=locked_elements | same,
         node_ids=node_ids[kept],
         element_ids=element_ids,
     )
@@ -138,6 +141,16 @@ def _check_repeated_nodes(elements: Ids, corners: Ids, element_ids: Ids, place: 
             f"{place(row)}: element {element_ids[row]} names node {values[counts > 1][0]} twice; "
             "make it a tria or remove it."
         )
+
+
+def _refuse_same_nodes(elements: Ids, element_ids: Ids, place: Place) -> None:
+    ordered = np.sort(elements, axis=1)
+    twice = (ordered == ordered[0]).all(axis=1).nonzero()[0]
+    first, second = int(twice[0]), int(twice[1])
+    raise InputError(
+        f"{place(second)}: elements {element_ids[first]} and {element_ids[second]} lie on the "
+        "same nodes, and so do all others; remove one of each."
+    )
 
 
 def on_same_nodes(elements: Ints | Ids) -> Bools:
