@@ -171,6 +171,14 @@ def latest_state(folder: Path, run: str) -> tuple[State | None, str]:
     return None, ""
 
 
+_DAMAGE = (ArithmeticError, LookupError, MemoryError, OSError, RuntimeError, TypeError, ValueError)
+"""What bytes that are not as they were written make pyarrow, numpy and json raise."""
+
+
+def _first_line(error: BaseException) -> str:
+    return next(iter(str(error).splitlines()), type(error).__name__)
+
+
 class _DamagedError(Exception):
     """A file is not as it was written."""
 
@@ -181,14 +189,16 @@ def _read(path: Path, stream: Path, run: str) -> State:
     try:
         with path.open("rb") as file:
             table = pa.ipc.open_file(file).read_all()
+        # lengths that are wrong would be followed beyond the end of the data
+        table.validate(full=True)
         rows = [
             (row["name"], np.frombuffer(row["data"], row["dtype"]).reshape(row["shape"]))
             for row in table.to_pylist()
         ]
         wanted = (table.schema.metadata or {}).get(b"digest", b"").decode()
         heading = json.loads(bytes(rows[0][1]))
-    except (pa.ArrowInvalid, OSError, ValueError, KeyError, IndexError, TypeError) as error:
-        raise _DamagedError(str(error).splitlines()[0]) from None
+    except _DAMAGE as error:
+        raise _DamagedError(_first_line(error)) from None
     if digest_of(rows) != wanted:
         raise _DamagedError("its digest differs")
     if heading["format"] != FORMAT:
@@ -221,11 +231,12 @@ def _read_rounds(path: Path, entries: int, count: int) -> tuple[Round, ...]:
             for number, batch in enumerate(_batches(pa.ipc.open_stream(file))):
                 if number == entries:
                     break
+                batch.validate(full=True)
                 (row,) = batch.to_pylist()
                 found[row["number"]] = row["round"]
         return tuple(read_round(json.loads(found[i]), ALL_OPERATIONS) for i in range(count))
-    except (pa.ArrowInvalid, OSError, ValueError, KeyError, TypeError) as error:
-        raise _DamagedError(f"{path.name}: {error}") from None
+    except _DAMAGE as error:
+        raise _DamagedError(f"{path.name}: {_first_line(error)}") from None
 
 
 def _batches(reader: pa.ipc.RecordBatchStreamReader) -> Iterator[pa.RecordBatch]:

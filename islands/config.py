@@ -76,6 +76,8 @@ _MODEL = ConfigDict(
 )
 
 
+MOST_ISLANDS = 10_000
+
 OWN_FITNESS = ("fitness", "irregularity", "price")
 
 
@@ -122,7 +124,7 @@ class Config(BaseModel):
     only: str | None = Field(None, min_length=1)
     feature_angle: float = Field(30.0, gt=0, le=180)
     slide: bool = True
-    islands: int = Field(2, ge=1)
+    islands: int = Field(2, ge=1, le=MOST_ISLANDS)
     population: int = Field(2, ge=2)
     generations: int = Field(2, ge=0)
     genes: int = Field(5, ge=1)

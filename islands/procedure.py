@@ -15,7 +15,7 @@ from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
-from meshops.patch import join
+from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.sizing import parse_size
 from meshops.subdomain import Aim, Extent, Subdomain, subdomains
@@ -202,7 +202,7 @@ class Procedure:
                 seed=int(document["seed"]),
                 only=document.get("only"),
             )
-        except (ValueError, KeyError, TypeError) as error:
+        except (ValueError, KeyError, TypeError, OverflowError) as error:
             raise InputError(
                 f"{source} is not a procedure ({type(error).__name__}: {error}); "
                 "give the procedure.json that an optimize run wrote."
@@ -237,7 +237,10 @@ def round_document(done: Round, operations: tuple[Operation, ...]) -> dict[str, 
 
 
 def read_round(item: dict[str, Any], operations: tuple[Operation, ...]) -> Round:
-    """Read what `round_document` made; raises ValueError, KeyError or TypeError where it is not."""
+    """Read what `round_document` made.
+
+    Raises ValueError, KeyError, TypeError or OverflowError where it is something else.
+    """
     codes = {operation.name: operation.code for operation in operations} | {"nothing": NOTHING}
     extent = None
     if item["extent"] is not None:
@@ -309,7 +312,7 @@ def perform(
             for subdomain, place in zip(found, done.places, strict=False)
             if place.steps
         ]
-        mesh = apply(mesh, join(mesh, edits))
+        mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
     return mesh
 
 

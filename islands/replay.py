@@ -28,6 +28,7 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
     """
     procedure = read_procedure(procedure_file)
     deck = read_deck(source)
+    deck.check_room()
     start = deck.mesh
     if procedure.only is not None:
         start = locked_but(start, deck.select(procedure.only))

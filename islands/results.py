@@ -51,8 +51,8 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
     Returns the files, the ones for the dashboard.
     """
     assessment = job.assessment
-    write_verified(deck, done.mesh, folder / source.name)
-    before, after = job.mesh, deck.numbered(done.mesh)
+    before = job.mesh
+    after = write_verified(deck, done.mesh, folder / source.name).mesh
     write_mesh(
         after,
         folder / "mesh.vtu",

@@ -24,6 +24,9 @@ TopologyKind = Literal[
 Link = tuple[int, int]
 """Source and target."""
 
+MOST_LINKS = 250_000
+"""More of them take longer to make than a run of theirs would."""
+
 TRIES = 100
 """Random graphs that are drawn until one is connected."""
 
@@ -66,8 +69,21 @@ class Topology:
             return ()
         if self.kind == "ring":
             return tuple((island, (island + 1) % islands) for island in range(islands))
+        self._check_number(islands)
         found = self._graph(islands).edges
         return tuple(sorted({(a, b) for a, b in found} | {(b, a) for a, b in found}))
+
+    def _check_number(self, islands: int) -> None:
+        neighbours = {
+            "fully-connected": islands - 1,
+            "small-world": self.degree,
+            "random-regular": self.degree,
+        }
+        if islands * neighbours.get(self.kind, 1) > MOST_LINKS:
+            raise InputError(
+                f"{islands} islands have more than {MOST_LINKS:,} links in a {self.kind} topology; "
+                "take fewer islands or another topology."
+            )
 
     def _own_edges(self, islands: int) -> tuple[Link, ...]:
         for source, target in self.edges:
@@ -117,10 +133,17 @@ class Topology:
                 "numbers must be even."
             )
         for seed in range(self.seed, self.seed + TRIES):
-            graph = nx.random_regular_graph(self.degree, islands, seed=seed)
+            graph = _random_regular(nx, self.degree, islands, seed)
             if nx.is_connected(graph):
                 return graph
         raise InputError(
             f"no connected graph of {islands} islands with {self.degree} neighbours each was "
             f"found in {TRIES} tries; give more neighbours."
         )
+
+
+def _random_regular(nx: Any, degree: int, islands: int, seed: int) -> Any:
+    """Draw a graph; a dense one as what a sparse one leaves: drawing it itself need not end."""
+    if 2 * degree < islands:
+        return nx.random_regular_graph(degree, islands, seed=seed)
+    return nx.complement(nx.random_regular_graph(islands - 1 - degree, islands, seed=seed))

@@ -167,7 +167,12 @@ def test_what_other_cells_name_is_locked(tmp_path):
     locked = deck.mesh.node_ids[deck.mesh.locked_nodes] - 1
     assert locked.tolist() == [0, 1, 6, 7, 8, 13]
     assert deck.mesh.element_ids[deck.mesh.locked_elements].tolist() == [1]
-    assert [lock.cards for lock in deck.locks] == ["faces of solids", "other cells of the file"]
+    assert [(lock.count, lock.cards) for lock in deck.locks] == [
+        (1, "faces of solids"),
+        (4, "solids"),
+        (2, "lines"),
+        (2, "surface cells of more nodes"),
+    ]
 
 
 @pytest.fixture

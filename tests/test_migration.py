@@ -225,3 +225,15 @@ def test_mistakes_are_told_in_a_sentence(tmp_path: Any, text: str, words: str) -
     file.write_text(text)
     with pytest.raises(InputError, match=words):
         load_config(file, {})
+
+
+def test_a_dense_random_graph_is_drawn_at_once() -> None:
+    links = Topology("random-regular", degree=90).links(100)
+    assert set(Counter(source for source, _ in links).values()) == {90}
+
+
+def test_more_islands_and_links_than_a_run_can_have_are_refused() -> None:
+    with pytest.raises(InputError, match="more than 250,000 links in a fully-connected"):
+        load_config(None, {"islands": 5000, "topology": "fully-connected"})
+    with pytest.raises(InputError, match=r"islands.*10000"):
+        load_config(None, {"islands": 200_000_000})

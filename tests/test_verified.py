@@ -34,14 +34,34 @@ def edited(mesh):
     )
 
 
+def joined(mesh):
+    """Two trias that share an edge as one quad."""
+    first, *others = mesh.elements[:, :3].tolist()
+    row, other = next((i, o) for i, o in enumerate(others, 1) if len(set(o) & set(first)) == 2)
+    (apex,) = set(other) - set(first)
+    place = next(k for k in range(3) if {first[k], first[(k + 1) % 3]} <= set(other))
+    quad = [*first[: place + 1], apex, *first[place + 1 :]]
+    kept = np.ones(len(mesh.elements), bool)
+    kept[row] = False
+    elements, ids = mesh.elements.copy(), mesh.element_ids.copy()
+    elements[0], ids[0] = quad, NEW
+    return replace(
+        mesh,
+        elements=elements[kept],
+        element_ids=ids[kept],
+        region=mesh.region[kept],
+        locked_elements=mesh.locked_elements[kept],
+    )
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_ids_of_the_report_are_those_of_the_file(tmp_path: Path, suffix: str) -> None:
     write_mesh(bad_plate(), tmp_path / f"a{suffix}")
     deck = read_deck(tmp_path / f"a{suffix}")
     mesh = edited(deck.mesh)
     written = write_verified(deck, mesh, tmp_path / f"b{suffix}")
-    assert written == (tmp_path / f"b{suffix}",)
-    numbered, again = deck.numbered(mesh), read_deck(tmp_path / f"b{suffix}").mesh
+    assert written.files == (tmp_path / f"b{suffix}",)
+    numbered, again = written.mesh, read_deck(tmp_path / f"b{suffix}").mesh
     assert (numbered.element_ids != NEW).all()
     assert differences(numbered, again) == ()
     places = dict(zip(again.element_ids.tolist(), range(len(again.elements)), strict=True))
@@ -50,6 +70,19 @@ def test_ids_of_the_report_are_those_of_the_file(tmp_path: Path, suffix: str) ->
         row = again.elements[places[number]]
         assert here == pytest.approx(again.points[row[row >= 0]])
     assert {path.name for path in tmp_path.iterdir()} == {f"a{suffix}", f"b{suffix}"}
+
+
+def test_an_element_of_a_file_of_trias_has_the_id_of_its_first_tria(tmp_path: Path) -> None:
+    write_mesh(bad_plate(), tmp_path / "a.stl")
+    deck = read_deck(tmp_path / "a.stl")
+    mesh = deck.mesh
+    numbered = write_verified(deck, joined(mesh), tmp_path / "b.stl").mesh
+    again = read_deck(tmp_path / "b.stl").mesh
+    places = dict(zip(again.element_ids.tolist(), range(len(again.elements)), strict=True))
+    for element, number in zip(numbered.elements, numbered.element_ids.tolist(), strict=True):
+        tria = {tuple(p) for p in again.points[again.elements[places[number]][:3]].tolist()}
+        mine = {tuple(p) for p in numbered.points[element[element >= 0]].tolist()}
+        assert tria <= mine
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +161,7 @@ def test_included_files_go_with_a_deck_that_is_not_written(tmp_path: Path) -> No
         write_verified(deck, edited(deck.mesh), tmp_path / "out/a.bdf", lambda *_: ("wrong",))
     assert list((tmp_path / "out").iterdir()) == []
     written = write_verified(deck, edited(deck.mesh), tmp_path / "out/a.bdf")
-    assert {path.name for path in written} == {"a.bdf", "shells.bdf"}
+    assert {path.name for path in written.files} == {"a.bdf", "shells.bdf"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"a.bdf", "shells.bdf"}
     assert len(read_deck(tmp_path / "out/a.bdf").mesh.elements) == len(deck.mesh.elements) + 1
 

@@ -112,9 +112,15 @@ def read_journal(folder: Path) -> list[Event]:
     events: list[Event] = []
     try:
         for batch in pa.ipc.open_stream(content):
+            # lengths that are wrong would be followed beyond the end of the data
+            batch.validate(full=True)
             events += [_decoded(row["kind"], row["payload"]) for row in batch.to_pylist()]
-    except (pa.ArrowInvalid, OSError):
+    except (pa.ArrowException, OSError, MemoryError):
         pass  # the stream is cut off here, as a killed process leaves it
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise TrackingError(
+            f"{path} is damaged ({error}): remove it, or start the run anew."
+        ) from None
     except (KeyError, TypeError) as error:
         raise TrackingError(
             f"{path} holds an event that this version of meshipelago does not know ({error}): "

@@ -1,7 +1,8 @@
 """Reading and writing meshes: one file a format.
 
-A deck (Nastran, Abaqus) is spliced: every line that an edit does not touch stays byte for byte. An
-interchange file (.vtu .msh .stl .obj .off) is written anew.
+A deck (Nastran, Abaqus) is spliced: every line that an edit does not touch stays byte for byte. In
+an interchange file (.vtu .msh .stl .obj .off) only points and cells that an edit touches change,
+and all else that it holds is carried over.
 """
 
 from __future__ import annotations
@@ -49,8 +50,11 @@ class Deck(Protocol):
         Raises InputError where that is nothing of the mesh.
         """
 
-    def numbered(self, mesh: ShellMesh) -> ShellMesh:
-        """Give a mesh that descends from ``self.mesh`` the ids that ``write`` gives it."""
+    def numbered(self, mesh: ShellMesh) -> ShellMesh | None:
+        """Give a mesh that descends from ``self.mesh`` the ids that ``write`` gives it.
+
+        None where ids are places in the file, which are known once it is written.
+        """
 
     def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the file with ``mesh``, which descends from ``self.mesh``, in their place.
@@ -79,11 +83,7 @@ def read_deck(path: Path, *, regions: str | None = None) -> Deck:
         raise InputError(f"{path} is a folder: name the mesh file in it.")
     check_suffix(path)
     suffix = path.suffix.lower()
-    if suffix == ".vtu":
-        from meshops.formats.vtu import read_vtu
-
-        return read_vtu(path, regions)
-    if regions is not None:
+    if regions is not None and suffix != ".vtu":
         raise InputError(f"{path.name}: only cell arrays of a .vtu file are named as regions.")
     if suffix in NASTRAN:
         from meshops.formats.nastran import read_nastran
@@ -93,10 +93,22 @@ def read_deck(path: Path, *, regions: str | None = None) -> Deck:
         from meshops.formats.abaqus import read_abaqus
 
         return read_abaqus(path)
+    if suffix == ".vtu":
+        from meshops.formats.vtu import read_vtu
+
+        return read_vtu(path, regions)
     if suffix == ".msh":
         from meshops.formats.gmsh import read_gmsh
 
         return read_gmsh(path)
-    from meshops.formats.interchange import read_interchange
+    if suffix == ".stl":
+        from meshops.formats.stl import read_stl
 
-    return read_interchange(path)
+        return read_stl(path)
+    if suffix == ".obj":
+        from meshops.formats.obj import read_obj
+
+        return read_obj(path)
+    from meshops.formats.off import read_off
+
+    return read_off(path)

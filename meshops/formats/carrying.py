@@ -160,7 +160,8 @@ class _Hosts:
         hosts = np.zeros(len(places), np.int64)
         weights = np.zeros((len(places), 4))
         _, near_nodes = self._nodes.query(places, k=min(NEAREST, len(self._mesh.points)))
-        near_nodes = near_nodes.reshape(len(places), -1)
+        # a tree names one row too many where a distance is larger than a number can be
+        near_nodes = near_nodes.reshape(len(places), -1).clip(0, len(self._mesh.points) - 1)
         for region in np.unique(regions):
             inside = np.flatnonzero(self._mesh.region == region)
             if not len(inside):
@@ -170,7 +171,8 @@ class _Hosts:
                 _, near = tree.query(places[row], k=min(NEAREST, len(inside)))
                 beside = self._beside(near_nodes[row])
                 beside = beside[self._mesh.region[beside] == region]
-                candidates = np.union1d(inside[np.atleast_1d(near)], beside)
+                near = np.atleast_1d(near).clip(0, len(inside) - 1)
+                candidates = np.union1d(inside[near], beside)
                 hosts[row], weights[row] = self._best(places[row], candidates)
         return hosts, weights
 

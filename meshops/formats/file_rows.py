@@ -98,8 +98,8 @@ class FileRows:
         )
 
     def is_rewired(self, was: Ids) -> Bools:
-        """(C,) bool: which cells have other corners than (C, 4) rows of the file that was read."""
-        before = np.where(was == NO_NODE, NO_NODE, self.point_of[was])
+        """(C,) bool: which cells have other corners than (c, 4) rows of points that they had."""
+        before = np.where(was == NO_NODE, NO_NODE, self.point_of[was])[self.cell_from]
         found: Bools = (self.corners != NO_NODE).any(axis=1) & (self.corners != before).any(axis=1)
         return found
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from meshops.formats.fortran import real_field
 from meshops.formats.ids import IdSet, with_new_ids
 from meshops.formats.interchange_output import write_interchange
 from meshops.formats.nastran_cards import Form, card_lines
-from meshops.formats.output import write_whole
+from meshops.formats.output import refuse_to_overwrite, write_whole
 from meshops.formats.suffixes import ABAQUS, NASTRAN, check_writable_suffix
 from meshops.mesh import Ids, ShellMesh
 
@@ -48,6 +48,35 @@ def write_mesh(
         write_whole(path, lambda temporary: temporary.write_text(text))
         return
     write_interchange(mesh, path, cell_data)
+
+
+def write_edited(
+    mesh: ShellMesh, path: Path, source: Path, written: Callable[[ShellMesh], bytes]
+) -> tuple[Path, ...]:
+    """Write an edited mesh in the format of its file, or as a new file of another format.
+
+    Parameters
+    ----------
+    mesh : ShellMesh
+    path, source : Path
+        The file to write and that which was read.
+    written : callable
+        What is in the file of the same format.
+
+    Returns the files that were written.
+
+    Raises
+    ------
+    InputError
+        Where ``path`` is the source or cannot be written.
+    """
+    refuse_to_overwrite(path, [source])
+    if path.suffix.lower() != source.suffix.lower():
+        write_mesh(mesh, path)
+        return (path,)
+    data = written(mesh)
+    write_whole(path, lambda temporary: temporary.write_bytes(data))
+    return (path,)
 
 
 def _nastran(mesh: ShellMesh) -> list[str]:

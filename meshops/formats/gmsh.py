@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from meshops.errors import InputError
-from meshops.formats import fresh
 from meshops.formats.carrying import Carried
+from meshops.formats.fresh import write_edited
 from meshops.formats.gmsh_data import carried_data, data_section, read_data, without_elements
 from meshops.formats.gmsh_edits import edited_elements, edited_nodes
 from meshops.formats.gmsh_sections import Section, layout_of, periodic_nodes, sections_of
@@ -34,13 +34,13 @@ from meshops.formats.gmsh_tables import (
 from meshops.formats.grid import Grid, Others, Shells, shells_of
 from meshops.formats.ids import IdSet
 from meshops.formats.locks import Lock
-from meshops.formats.output import refuse_to_overwrite, write_whole
+from meshops.formats.one_file import OneFile
 from meshops.formats.sources import read_bytes
 from meshops.mesh import NO_NODE, Ids, ShellMesh
 
 
 @dataclass(frozen=True, eq=False)
-class GmshFile:
+class GmshFile(OneFile):
     """A .msh file and the mesh of its shells.
 
     Attributes
@@ -81,7 +81,10 @@ class GmshFile:
         """What is to be known besides."""
         return self.shells.notes
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    def check_room(self) -> None:
+        """Do nothing: numbers up to the largest integer are free for what is new."""
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the file with ``mesh`` in the place of its shells.
 
         Raises
@@ -89,12 +92,7 @@ class GmshFile:
         InputError
             Where ``path`` is the source or cannot be written.
         """
-        refuse_to_overwrite(path, [self.source])
-        if path.suffix.lower() != self.source.suffix.lower():
-            fresh.write_mesh(mesh, path)
-            return
-        data = self._written(mesh)
-        write_whole(path, lambda temporary: temporary.write_bytes(data))
+        return write_edited(mesh, path, self.source, self._written)
 
     def _written(self, mesh: ShellMesh) -> bytes:
         tags = IdSet(set(self.nodes.tags.tolist()))

@@ -13,6 +13,9 @@ from meshops.formats.checks import Place, checked_mesh
 from meshops.formats.locks import ELEMENTS_STAY, NODES_STAY, Lock, most_first
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 
+KINDS = ("points", "lines", "surface cells of more nodes", "solids")
+"""Cells that are no linear shells, by their dimension."""
+
 
 class Others(NamedTuple):
     """Cells that are no linear shells, as many nodes each: point rows (K, n), and their dimension.
@@ -91,9 +94,9 @@ def shells_of(grid: Grid, node_place: Place, element_place: Place) -> Shells:
     proper = _proper(grid.corners)
     first, element_of, twisted = _folded(grid.corners, proper)
     parts = _parts_together(grid.parts, element_of, len(first))
-    by_others = np.zeros(len(grid.points), bool)
-    for rows, _ in grid.others:
-        by_others[rows] = True
+    by_others = np.zeros((len(KINDS), len(grid.points)), bool)
+    for rows, dimension in grid.others:
+        by_others[dimension, rows] = True
     repeated = grid.corners[~proper]
     by_repeated = np.zeros(len(grid.points), bool)
     by_repeated[repeated[repeated != NO_NODE]] = True
@@ -108,7 +111,7 @@ def shells_of(grid: Grid, node_place: Place, element_place: Place) -> Shells:
         corners=np.where(corners == NO_NODE, 0, grid.node_ids[corners]),
         element_ids=grid.shell_ids[first],
         region=_regions(parts),
-        locked_nodes=by_others | by_repeated | held,
+        locked_nodes=by_others.any(axis=0) | by_repeated | held,
         locked_elements=faces | beside_lines | twisted,
         node_place=node_place,
         element_place=lambda row: element_place(int(first[row])),
@@ -116,7 +119,7 @@ def shells_of(grid: Grid, node_place: Place, element_place: Place) -> Shells:
     used = np.zeros(len(grid.points), bool)
     used[corners[corners != NO_NODE]] = True
     reasons = [
-        ("nodes", by_others & used, "other cells of the file", NODES_STAY),
+        *(("nodes", by_others[i] & used, kind, NODES_STAY) for i, kind in enumerate(KINDS)),
         ("nodes", by_repeated & used, "cells that name a node twice", NODES_STAY),
         ("nodes", held & used, grid.held_by, NODES_STAY),
         ("elements", faces, "faces of solids", ELEMENTS_STAY),

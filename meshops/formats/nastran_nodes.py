@@ -14,7 +14,9 @@ from meshops.formats.nastran_cards import Card, Form, card_lines
 from meshops.formats.nastran_case import SetDefinition, grown_set
 from meshops.formats.nastran_contents import Contents
 from meshops.formats.nastran_memberships import Family, NodeCard, growth
+from meshops.formats.nastran_systems import integer_at
 from meshops.formats.node_attributes import Membership, Memberships
+from meshops.formats.sources import Sources
 from meshops.formats.splice import Splice
 from meshops.mesh import Bools, Ids
 
@@ -36,14 +38,16 @@ def grid_fields(grid: Card, grdset: Card | None) -> GridFields:
 
 
 def node_memberships(
-    contents: Contents, node_sets: Iterable[SetDefinition], node_ids: Ids
+    contents: Contents, node_sets: Iterable[SetDefinition], node_ids: Ids, sources: Sources
 ) -> list[Memberships]:
-    """Memberships of each node, (N,)."""
+    """Memberships of each node, (N,); raises InputError where an output system is no number."""
     found: list[set[Membership]] = []
     systems = []
     for node in node_ids.tolist():
-        fields = grid_fields(contents.grid_by_id[node], contents.grdset)
-        system = int(fields.system or "0")
+        grid, grdset = contents.grid_by_id[node], contents.grdset
+        fields = grid_fields(grid, grdset)
+        holder = grid if grid.field(5) or not grdset else grdset
+        system = integer_at(holder, 5, sources, 0)
         systems.append(system)
         mine = {Membership(("PS", digit, system)) for digit in fields.constraints}
         if system:
@@ -92,6 +96,11 @@ def held_nodes(contents: Contents, node_ids: Ids) -> dict[str, Bools]:
     return found
 
 
+def is_listed(item: Membership) -> bool:
+    """Whether a membership is a place on a card that lists nodes, and not a field of the GRID."""
+    return isinstance(item.kind, tuple) and item.kind[0] not in (*_ON_GRID, "SET")
+
+
 def card_name(item: Membership) -> str:
     """Name a membership in the words of a deck, for a reader."""
     kind = item.kind if isinstance(item.kind, tuple) else (item.kind,)
@@ -124,8 +133,9 @@ def splice_node_cards(
     new: Mapping[int, Memberships],
 ) -> None:
     """Take nodes that are gone out of their cards and give new ones, by id, cards of their own."""
+    every = contents.grid_by_id.keys()
     for card in contents.node_cards if gone else ():
-        lines = card.without(gone)
+        lines = card.without(gone, every)
         if lines is not None:
             splice.replace(card.card.lines, lines)
     last: dict[Family, Card] = {card.family: card.card for card in contents.node_cards}

@@ -16,6 +16,9 @@ from meshops.formats.fortran import real, real_field
 from meshops.formats.nastran_cards import Form, card_lines, split_line
 from meshops.formats.sources import Sources
 
+MOST = 100_000
+"""Cards of one replication: more are a slip of the hand, and would take for ever."""
+
 _TIMES = re.compile(r"=\s*\(?\s*(\d+)\s*\)?")
 _STEP = re.compile(r"\*\s*\(?\s*([^()\s]+)\s*\)?")
 
@@ -64,6 +67,11 @@ def write_out(sources: Sources, start: int) -> Sources:
         times = _TIMES.fullmatch(row.head)
         if not times and row.head != "=":
             raise InputError(f"{place}: '{row.head}' is no replication; write its cards out.")
+        if times and (len(times[1]) > len(str(MOST)) or int(times[1]) > MOST):
+            raise InputError(
+                f"{place}: '{row.head}' makes more than {MOST:,} cards; correct it, or write its "
+                "cards out."
+            )
         line = model.line if times else row.fields
         if not groups or groups[-1][0] != base:
             groups.append([base])

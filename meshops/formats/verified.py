@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +11,12 @@ import numpy as np
 from meshops.errors import HarmError, InputError
 from meshops.formats import Deck, read_deck
 from meshops.formats.difference import deck_corners
+from meshops.formats.matching import matched, rounding
 from meshops.formats.output import refuse_to_overwrite
 from meshops.mesh import NO_NODE, Ids, ShellMesh
-from meshops.quality import median_edge
 
 Verify = Callable[[ShellMesh, ShellMesh], tuple[str, ...]]
 """Compares the mesh of a deck, and that of the written one read again: a sentence a fault."""
-
-ROUNDING = 1e-6
-"""Of an edge: how far a node may stand from its place because a file has so many digits."""
 
 SHOWN = 3
 
@@ -28,12 +26,30 @@ def nothing_else(before: ShellMesh, after: ShellMesh) -> tuple[str, ...]:
     return ()
 
 
-def write_verified(
-    deck: Deck, mesh: ShellMesh, path: Path, verify: Verify = nothing_else
-) -> tuple[Path, ...]:
-    """Write a deck beside ``path``, read it again, and give it its name if it is the model.
+@dataclass(frozen=True, eq=False)
+class Written:
+    """What was written.
 
-    Every other way to the same bytes would trust the writer; this one trusts but the reader.
+    Attributes
+    ----------
+    files : tuple of Path
+        The deck first, then the files that belong to it.
+    mesh : ShellMesh
+        With the ids that its nodes and elements have in the deck.
+    """
+
+    files: tuple[Path, ...]
+    mesh: ShellMesh
+
+
+def write_verified(
+    deck: Deck,
+    mesh: ShellMesh,
+    path: Path,
+    verify: Verify = nothing_else,
+    read: Callable[[Path], Deck] = read_deck,
+) -> Written:
+    """Write a deck beside ``path``, read it again, and give it its name if it is the model.
 
     Parameters
     ----------
@@ -43,11 +59,8 @@ def write_verified(
     path : Path
     verify : callable
         What else must hold of the mesh of the deck and of that which was read again.
-
-    Returns
-    -------
-    tuple of Path
-        The files that were written, ``path`` first.
+    read : callable
+        Reads a deck as the given one was read.
 
     Raises
     ------
@@ -63,31 +76,42 @@ def write_verified(
         staged = path.with_name(f"{path.stem}-checked-{mesh.digest}{path.suffix}")
     files = deck.write(mesh, staged)
     try:
-        faults = _faults(deck, mesh, staged, verify)
+        numbered, faults = _checked(deck, mesh, staged, verify, read)
         if faults:
             more = f"; and {len(faults) - SHOWN} more" if len(faults) > SHOWN else ""
             raise HarmError(
                 f"{path} is not written: read again, it is not what it should be: "
-                f"{'; '.join(faults[:SHOWN])}{more}."
+                f"{'; '.join(fault.rstrip('.') for fault in faults[:SHOWN])}{more}."
             )
         staged.replace(path)
     except BaseException:
         for file in files:
             file.unlink(missing_ok=True)
         raise
-    return (path, *files[1:])
+    return Written((path, *files[1:]), numbered)
 
 
-def _faults(deck: Deck, mesh: ShellMesh, written: Path, verify: Verify) -> tuple[str, ...]:
+def _checked(
+    deck: Deck, mesh: ShellMesh, written: Path, verify: Verify, read: Callable[[Path], Deck]
+) -> tuple[ShellMesh, tuple[str, ...]]:
+    """Return the mesh with the ids that it has in a file, and what is wrong with that."""
+    suffix = written.suffix.lower()
+    is_other = suffix != deck.files[0].suffix.lower()
     try:
-        again = read_deck(written)
+        again = read_deck(written) if is_other else read(written)
     except InputError as error:
-        return (f"it cannot be read ({str(error).rstrip('.')})",)
-    if written.suffix.lower() != deck.files[0].suffix.lower() or written.suffix.lower() == ".stl":
-        return ()  # a file of another format has ids of its own, and of triangles none
-    model = deck.numbered(mesh)
-    found = differences(model, again.mesh) or _other_regions(deck, model, again)
-    return found or verify(deck.mesh, again.mesh)
+        return mesh, (f"it cannot be read ({str(error).rstrip('.')})",)
+    model = None if is_other else deck.numbered(mesh)
+    if model is not None:
+        found = differences(model, again.mesh) or _other_regions(deck, model, again)
+    else:
+        model = matched(mesh, again.mesh, is_split=suffix == ".stl")
+        if model is None:
+            return mesh, ("its elements are not those of the model",)
+        found = () if is_other or suffix == ".stl" else _mixed_regions(model, again.mesh)
+    if suffix == ".stl":  # which knows no quads
+        return model, found
+    return model, found or verify(deck.mesh, again.mesh)
 
 
 def differences(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
@@ -115,7 +139,7 @@ def _moved_nodes(model: ShellMesh, again: ShellMesh) -> list[str]:
     here = here[_sorted(model.node_ids[here])]
     there = there[_sorted(again.node_ids[there])]
     distance = np.linalg.norm(model.points[here] - again.points[there], axis=1)
-    moved = ~(distance <= ROUNDING * median_edge(model))
+    moved = ~(distance <= rounding(model))
     return [f"{_named('node', model.node_ids[here][moved])} elsewhere"] if moved.any() else []
 
 
@@ -127,6 +151,15 @@ def _other_regions(deck: Deck, model: ShellMesh, again: Deck) -> tuple[str, ...]
     other = [deck.region_name(a) != again.region_name(b) for a, b in kinds.tolist()]
     ids = model.element_ids[places][np.array(other, bool)[kind.reshape(-1)]]
     return (f"{_named('element', ids)} of another property or in other sets",) if len(ids) else ()
+
+
+def _mixed_regions(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
+    """Elements of one region of the model that are in several there, or the other way round."""
+    rows, places = _sorted(again.element_ids), _sorted(model.element_ids)
+    pairs = np.unique(np.stack([model.region[places], again.region[rows]]), axis=1)
+    if all(len(np.unique(labels)) == pairs.shape[1] for labels in pairs):
+        return ()
+    return ("its regions are not those of the model",)
 
 
 def _other_ids(noun: str, model: Ids, again: Ids) -> list[str]:

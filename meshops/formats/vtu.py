@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from meshops.errors import InputError
-from meshops.formats import fresh
 from meshops.formats.file_rows import FileRows
+from meshops.formats.fresh import write_edited
 from meshops.formats.grid import Grid, Others, Shells, shells_of
 from meshops.formats.locks import Lock
-from meshops.formats.output import refuse_to_overwrite, write_whole
+from meshops.formats.one_file import OneFile
 from meshops.formats.parts import parts_of
 from meshops.formats.sources import read_bytes
 from meshops.formats.vtu_xml import Document
@@ -58,7 +58,7 @@ class Cells:
 
 
 @dataclass(frozen=True, eq=False)
-class VtuFile:
+class VtuFile(OneFile):
     """A .vtu file and the mesh of its shells.
 
     Attributes
@@ -71,7 +71,6 @@ class VtuFile:
     cells : Cells
     shell_rows : (s,) int64
         Rows of the cells that are shells.
-    corners : (s, 4) int64
     shells : Shells
     notes : tuple of str
     """
@@ -82,7 +81,6 @@ class VtuFile:
     piece: Xml.Element
     cells: Cells
     shell_rows: Ids
-    corners: Ids
     shells: Shells
     notes: tuple[str, ...]
 
@@ -96,7 +94,10 @@ class VtuFile:
         """What of the mesh is locked."""
         return self.shells.locks
 
-    def write(self, mesh: ShellMesh, path: Path) -> None:
+    def check_room(self) -> None:
+        """Do nothing: what is new is known by its row."""
+
+    def write(self, mesh: ShellMesh, path: Path) -> tuple[Path, ...]:
         """Write the file with ``mesh`` in the place of its shells.
 
         Raises
@@ -104,12 +105,7 @@ class VtuFile:
         InputError
             Where ``path`` is the source or cannot be written.
         """
-        refuse_to_overwrite(path, [self.source])
-        if path.suffix.lower() != self.source.suffix.lower():
-            fresh.write_mesh(mesh, path)
-            return
-        data = self._written(mesh)
-        write_whole(path, lambda temporary: temporary.write_bytes(data))
+        return write_edited(mesh, path, self.source, self._written)
 
     def _written(self, mesh: ShellMesh) -> bytes:
         document, points = self.document, _points(self.document, self.piece)
@@ -133,8 +129,6 @@ class VtuFile:
         cells, parts = self.cells, _arrays(self.piece, "Cells")
         edited = np.zeros(len(cells.types), bool)
         edited[self.shell_rows] = self.shells.element_of >= 0
-        was = np.full((len(cells.types), 4), NO_NODE, np.int64)
-        was[self.shell_rows] = self.corners
         types = cells.types[rows.cell_from]
         shell = edited[rows.cell_from]
         size = np.where(rows.corners[:, 3] == NO_NODE, 3, 4)
@@ -228,7 +222,7 @@ def read_vtu(path: Path, regions: str | None = None) -> VtuFile:
     if names and len(np.unique(shells.mesh.region)) > 1:
         words = " and ".join(f"'{found}'" for found in names)
         notes.append(f"The cell array {words} tells the regions.")
-    return VtuFile(path, data, document, piece, cells, shell_rows, corners, shells, tuple(notes))
+    return VtuFile(path, data, document, piece, cells, shell_rows, shells, tuple(notes))
 
 
 def _arrays(piece: Xml.Element, name: str) -> dict[str, Xml.Element]:

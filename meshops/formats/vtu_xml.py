@@ -67,7 +67,7 @@ class Document:
         compressor = root.get("compressor", "")
         if compressor not in COMPRESSORS:
             raise InputError(
-                f"{source} is compressed by {compressor}, which is not read; save it with zlib."
+                f"{source} is compressed by {compressor}, which is not read: save it with zlib."
             )
         declaration = data[: max(data.find(b"<VTKFile"), 0)]
         order = ">" if root.get("byte_order") == "BigEndian" else "<"
