@@ -210,3 +210,16 @@ def test_a_part_that_is_not_there_is_said(tmp_path: Path, text: str) -> None:
     write_mesh(bad_plate(), tmp_path / "a.bdf")
     with pytest.raises(InputError, match="--only"):
         read_deck(tmp_path / "a.bdf").select(text)
+
+
+def test_locks_name_what_they_hold_by_its_ids(tmp_path: Path) -> None:
+    write_mesh(bad_plate(), tmp_path / "a.bdf")
+    text = (tmp_path / "a.bdf").read_text()
+    cards = "FORCE,1,12,,1.,0.,0.,1.\nPLOAD1,1,7,FZ,LE,0.,1.,1.,1.\n"
+    (tmp_path / "a.bdf").write_text(text.replace("ENDDATA", cards + "ENDDATA"))
+    deck = read_deck(tmp_path / "a.bdf")
+    assert {(lock.kind, lock.cards, lock.ids) for lock in deck.locks} == {
+        ("nodes", "FORCE", (12,)),
+        ("elements", "PLOAD1", (7,)),
+    }
+    assert all(lock.count == len(lock.ids) for lock in deck.locks)

@@ -8,7 +8,6 @@ as one in which no part shares a node or a region with another.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,7 +27,7 @@ from meshops.formats.abaqus_part import Part, read_part
 from meshops.formats.abaqus_scopes import Scope
 from meshops.formats.difference import numbered
 from meshops.formats.fresh import write_mesh
-from meshops.formats.locks import Lock, most_first
+from meshops.formats.locks import Lock, most_first, raised
 from meshops.formats.selection import select
 from meshops.formats.sources import Sources, read_sources
 from meshops.formats.splice import Splice
@@ -133,7 +132,13 @@ def read_abaqus(path: Path) -> AbaqusDeck:
         mesh=union.mesh,
         sources=sources,
         parts=parts,
-        locks=_together([lock for part in parts for lock in part.locks]),
+        locks=_together(
+            [
+                lock
+                for part, shift in zip(parts, union.shifts, strict=True)
+                for lock in raised(part.locks, shift)
+            ]
+        ),
         notes=(*_notes_of_parts(parts, union), *_notes_of_files(every)),
         _union=union,
     )
@@ -150,10 +155,12 @@ def _refuse_generated(every: Sequence[Block], sources: Sources) -> None:
 
 def _together(locks: Sequence[Lock]) -> tuple[Lock, ...]:
     """Add up what the same keywords lock in several parts."""
-    counts: Counter[Lock] = Counter()
+    found: dict[tuple[str, str], Lock] = {}
     for lock in locks:
-        counts[replace(lock, count=0)] += lock.count
-    return most_first([replace(lock, count=count) for lock, count in counts.items()])
+        key = (lock.kind, lock.cards)
+        known = found.get(key, replace(lock, count=0, ids=()))
+        found[key] = replace(known, count=known.count + lock.count, ids=known.ids + lock.ids)
+    return most_first(list(found.values()))
 
 
 def _notes_of_parts(parts: Sequence[Part], union: Union) -> list[str]:

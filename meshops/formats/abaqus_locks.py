@@ -12,7 +12,7 @@ from meshops.formats.abaqus_nodes import NodeAttributes
 from meshops.formats.abaqus_regions import ElementFacts
 from meshops.formats.abaqus_sets import NamedSets
 from meshops.formats.abaqus_uses import Uses
-from meshops.formats.locks import ELEMENTS_STAY, NODES_STAY, Lock
+from meshops.formats.locks import Lock, lock_of
 from meshops.formats.node_attributes import SharedMemberships
 from meshops.mesh import NO_NODE, Bools, ShellMesh
 
@@ -37,14 +37,11 @@ class Locks:
         elements: Bools = np.logical_or.reduce([none[1], *self.elements.values()])
         return nodes, elements
 
-    def told(self) -> list[Lock]:
-        """Say each reason, with how much it locks."""
-        found = [
-            Lock("nodes", int(mask.sum()), cards, NODES_STAY) for cards, mask in self.nodes.items()
-        ]
+    def told(self, mesh: ShellMesh) -> list[Lock]:
+        """Say each reason, with what it locks of the mesh."""
+        found = [lock_of("nodes", mesh.node_ids[m], cards) for cards, m in self.nodes.items()]
         found += [
-            Lock("elements", int(mask.sum()), cards, ELEMENTS_STAY)
-            for cards, mask in self.elements.items()
+            lock_of("elements", mesh.element_ids[m], cards) for cards, m in self.elements.items()
         ]
         return [lock for lock in found if lock.count]
 

@@ -212,7 +212,7 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
         scope=scope,
         regions=[regions[before] for before in common.before],
         shared=common.shared,
-        locks=locks.told(),
+        locks=locks.told(plain),
         notes=[
             *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
             *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from meshops.errors import InputError
 from meshops.formats.checks import Place, checked_mesh
-from meshops.formats.locks import ELEMENTS_STAY, NODES_STAY, Lock, most_first
+from meshops.formats.locks import Lock, lock_of, most_first
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 
 KINDS = ("points", "lines", "surface cells of more nodes", "solids")
@@ -119,16 +119,18 @@ def shells_of(grid: Grid, node_place: Place, element_place: Place) -> Shells:
     used = np.zeros(len(grid.points), bool)
     used[corners[corners != NO_NODE]] = True
     reasons = [
-        *(("nodes", by_others[i] & used, kind, NODES_STAY) for i, kind in enumerate(KINDS)),
-        ("nodes", by_repeated & used, "cells that name a node twice", NODES_STAY),
-        ("nodes", held & used, grid.held_by, NODES_STAY),
-        ("elements", faces, "faces of solids", ELEMENTS_STAY),
-        ("elements", beside_lines, "lines inside a region", ELEMENTS_STAY),
-        ("elements", twisted, "cells on the same nodes, turned the other way", ELEMENTS_STAY),
+        *(("nodes", by_others[i] & used, kind) for i, kind in enumerate(KINDS)),
+        ("nodes", by_repeated & used, "cells that name a node twice"),
+        ("nodes", held & used, grid.held_by),
+        ("elements", faces, "faces of solids"),
+        ("elements", beside_lines, "lines inside a region"),
+        ("elements", twisted, "cells on the same nodes, turned the other way"),
     ]
     locks = [
-        Lock("nodes" if kind == "nodes" else "elements", int(mask.sum()), words, forbids)
-        for kind, mask, words, forbids in reasons
+        lock_of("nodes", grid.node_ids[mask], words)
+        if kind == "nodes"
+        else lock_of("elements", grid.shell_ids[first][mask], words)
+        for kind, mask, words in reasons
         if mask.any()
     ]
     return Shells(mesh, element_of, most_first(locks), _notes(proper, element_of, len(first)))

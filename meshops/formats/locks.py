@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from meshops.mesh import ShellMesh
+from meshops.mesh import Ids, ShellMesh
 
 Kind = Literal["nodes", "elements"]
 
@@ -35,7 +35,7 @@ class Lock:
     count: int
     cards: str
     forbids: str
-    ids: tuple[int, ...] = field(default=(), repr=False)
+    ids: tuple[int, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def sentence(self) -> str:
@@ -48,6 +48,19 @@ class Lock:
             )
             forbids = forbids.replace("they stay as they are", "it stays as it is")
         return f"{self.count:,} {noun}: {self.cards} ({forbids})"
+
+
+def lock_of(kind: Kind, ids: Ids, cards: str) -> Lock:
+    """Return the lock of nodes or elements with these deck ids (K,)."""
+    forbids = NODES_STAY if kind == "nodes" else ELEMENTS_STAY
+    return Lock(kind, len(ids), cards, forbids, tuple(ids.tolist()))
+
+
+def raised(locks: Iterable[Lock], shift: int) -> list[Lock]:
+    """Raise the ids of locks, as those of a part are among others."""
+    if not shift:
+        return list(locks)
+    return [replace(lock, ids=tuple(number + shift for number in lock.ids)) for lock in locks]
 
 
 def most_first(locks: list[Lock]) -> tuple[Lock, ...]:

@@ -20,7 +20,7 @@ from meshops.errors import InputError
 from meshops.formats import nastran_sections as sections
 from meshops.formats.difference import numbered
 from meshops.formats.fresh import write_mesh
-from meshops.formats.locks import Lock, most_first
+from meshops.formats.locks import Lock, lock_of, most_first, raised
 from meshops.formats.nastran_cards import Card, lex
 from meshops.formats.nastran_case import CaseControl, read_case_control
 from meshops.formats.nastran_contents import Contents, sort_cards
@@ -199,7 +199,13 @@ def read_nastran(path: Path) -> NastranDeck:
         sources=sources,
         parts=parts,
         case=case,
-        locks=most_first([lock for part in parts for lock in part.locks]),
+        locks=most_first(
+            [
+                lock
+                for part, shift in zip(parts, union.shifts, strict=True)
+                for lock in raised(part.locks, shift)
+            ]
+        ),
         notes=tuple(notes),
         _union=union,
     )
@@ -220,7 +226,7 @@ def _attached(part: Part, others: Sequence[Contents]) -> Part:
     held = attached(part.mesh.points, np.concatenate(places))
     locked = part.mesh.locked_nodes | held
     locked.setflags(write=False)
-    lock = Lock("nodes", int(held.sum()), "the border of a superelement", "they stay in place")
+    lock = lock_of("nodes", part.mesh.node_ids[held], "the border of a superelement")
     return replace(
         part,
         mesh=replace(part.mesh, locked_nodes=locked),

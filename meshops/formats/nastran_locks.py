@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from meshops.formats.locks import ELEMENTS_STAY, NODES_STAY, Kind, Lock
+from meshops.formats.locks import Lock, lock_of
 from meshops.formats.nastran_case import CaseControl
 from meshops.formats.nastran_contents import Contents
 from meshops.formats.nastran_nodes import card_name
@@ -19,25 +19,26 @@ def locks_of_references(
     mesh: ShellMesh, contents: Contents, case: CaseControl, held: Mapping[str, Bools]
 ) -> list[Lock]:
     """Locks by cards that name nodes or shells for good."""
+    nodes, elements = mesh.node_ids, mesh.element_ids
+    named = [(name, other.nodes, other.elements) for name, other in contents.references.items()]
     found = []
-    for name, other in contents.references.items():
-        found.append(_lock("nodes", other.nodes.mask(mesh.node_ids), name))
-        found.append(_lock("elements", other.elements.mask(mesh.element_ids), name))
-    found.append(_lock("nodes", case.nodes.mask(mesh.node_ids), "case control"))
-    found.append(_lock("elements", case.elements.mask(mesh.element_ids), "case control"))
-    found += [_lock("nodes", mask, f"a range of {name}") for name, mask in held.items()]
+    for name, of_nodes, of_elements in [*named, ("case control", case.nodes, case.elements)]:
+        found.append(lock_of("nodes", nodes[of_nodes.mask(nodes)], name))
+        found.append(lock_of("elements", elements[of_elements.mask(elements)], name))
+    found += [lock_of("nodes", nodes[mask], f"a range of {name}") for name, mask in held.items()]
     return [lock for lock in found if lock.count]
 
 
 def locks_of_memberships(
-    elements: np.ndarray, own: Sequence[Memberships], found: SharedMemberships
+    mesh: ShellMesh, own: Sequence[Memberships], found: SharedMemberships
 ) -> list[Lock]:
     """Locks where nodes have what the elements around them do not share, or cannot pass on.
 
-    ``elements`` (M, 4) are node rows, ``own`` what each node has.
+    ``own`` is what each node of the mesh has.
     """
+    elements = mesh.elements
     nodes: defaultdict[str, set[int]] = defaultdict(set)
-    of_elements: defaultdict[str, int] = defaultdict(int)
+    of_elements: defaultdict[str, list[int]] = defaultdict(list)
     for row in np.flatnonzero(found.locked_nodes[elements].any(axis=1)).tolist():
         shared = found.shared[found.region[row]]
         for node in elements[row].tolist():
@@ -49,10 +50,10 @@ def locks_of_memberships(
     for row in np.flatnonzero(found.locked_elements).tolist():
         corners = [own[node] for node in elements[row].tolist() if node != NO_NODE]
         for name in _reasons(corners):
-            of_elements[name] += 1
+            of_elements[name].append(row)
     return [
-        *(Lock("nodes", len(rows), name, NODES_STAY) for name, rows in nodes.items()),
-        *(Lock("elements", n, name, ELEMENTS_STAY) for name, n in of_elements.items()),
+        *(lock_of("nodes", mesh.node_ids[sorted(rows)], name) for name, rows in nodes.items()),
+        *(lock_of("elements", mesh.element_ids[rows], name) for name, rows in of_elements.items()),
     ]
 
 
@@ -64,11 +65,7 @@ def _reasons(corners: Sequence[Memberships]) -> set[str]:
     return stuck | {f"{card_name(item)} that differs from node to node" for item in differ}
 
 
-def locks_of_elements(reasons: Iterable[tuple[str, Bools]]) -> list[Lock]:
+def locks_of_elements(mesh: ShellMesh, reasons: Iterable[tuple[str, Bools]]) -> list[Lock]:
     """Locks of elements for reasons of their own, such as a thickness that differs by node."""
-    found = [_lock("elements", mask, name) for name, mask in reasons]
+    found = [lock_of("elements", mesh.element_ids[mask], name) for name, mask in reasons]
     return [lock for lock in found if lock.count]
-
-
-def _lock(kind: Kind, mask: Bools, cards: str) -> Lock:
-    return Lock(kind, int(mask.sum()), cards, NODES_STAY if kind == "nodes" else ELEMENTS_STAY)

@@ -190,13 +190,14 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
         locks=most_first(
             [
                 *locks_of_references(mesh, contents, case, held),
-                *locks_of_memberships(mesh.elements, memberships, shared),
+                *locks_of_memberships(mesh, memberships, shared),
                 *locks_of_elements(
+                    mesh,
                     [
                         ("a thickness that differs from node to node", ~regions.is_uniform),
                         ("on the same nodes as another", same),
                         ("a node twice in a quad", is_repeated),
-                    ]
+                    ],
                 ),
             ]
         ),
