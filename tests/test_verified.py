@@ -34,6 +34,26 @@ def edited(mesh):
     )
 
 
+def renewed(mesh):
+    """Elements that are new by name alone: they are on the nodes of others that are gone."""
+    ids = mesh.element_ids.copy()
+    ids[::3] = NEW
+    return replace(mesh, element_ids=ids)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_elements_on_the_nodes_of_gone_ones_are_written_with_their_ids(
+    tmp_path: Path, suffix: str
+) -> None:
+    write_mesh(bad_plate(), tmp_path / f"a{suffix}")
+    deck = read_deck(tmp_path / f"a{suffix}")
+    written = write_verified(deck, edited(renewed(deck.mesh)), tmp_path / f"b{suffix}")
+    kept = written.mesh.element_ids[:-2]
+    if suffix in (".bdf", ".inp", ".msh"):
+        assert set(kept.tolist()) <= set(deck.mesh.element_ids.tolist())
+    assert len(read_deck(tmp_path / f"b{suffix}").mesh.elements) == len(deck.mesh.elements) + 1
+
+
 def joined(mesh):
     """Two trias that share an edge as one quad."""
     first, *others = mesh.elements[:, :3].tolist()

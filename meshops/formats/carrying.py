@@ -57,6 +57,7 @@ class Carried:
             taken_elements=taken_elements,
             limit=LARGEST_ID,
         )
+        after = difference.mesh  # in which elements on the nodes of gone ones have their ids
         node_rows = _rows(before.node_ids, after.node_ids)
         element_rows = _rows(before.element_ids, after.element_ids)
         new = np.flatnonzero(element_rows < 0)

@@ -66,7 +66,7 @@ class FileRows:
         taken = IdSet(ranges={(1, len(points), 1)})
         cells = IdSet(ranges={(1, max(len(element_of), 1), 1)})
         carried = Carried.of(shells.mesh, after, taken, cells)
-        d = carried.difference
+        after, d = carried.after, carried.difference
         gone = np.zeros(len(points), bool)
         gone[d.gone_nodes - 1] = True
         gone |= point_of != np.arange(len(points))
