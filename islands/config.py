@@ -122,6 +122,7 @@ class Config(BaseModel):
     size: Annotated[float, Field(gt=0)] | str | None = None
     judged_size: float | None = Field(None, gt=0)
     only: str | None = Field(None, min_length=1)
+    regions: str | None = Field(None, min_length=1)
     feature_angle: float = Field(30.0, gt=0, le=180)
     slide: bool = True
     islands: int = Field(2, ge=1, le=MOST_ISLANDS)

@@ -79,13 +79,13 @@ def assessment_of_run(folder: Path) -> Assessment:
         scoring=load_criteria(str(folder / CRITERIA)).at(size),
         sizes=sizes,
         gradation=EVEN if sizes is None else gradation_name(config.size_field or LOCAL),
-        reference=_surface(Path(about["source"]), about.get("surface", "")),
+        reference=_surface(Path(about["source"]), about.get("surface", ""), config.regions),
     )
 
 
-def _surface(source: Path, digest: str) -> ShellMesh | None:
+def _surface(source: Path, digest: str, regions: str | None) -> ShellMesh | None:
     try:
-        mesh = read_deck(source).mesh
+        mesh = read_deck(source, regions=regions).mesh
     except InputError:
         return None
     return mesh if mesh.surface_digest == digest else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from islands.folder import RESULT
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
 from meshops.failures import TRIED, csv_text, failures
-from meshops.formats import Deck, write_mesh
+from meshops.formats import Deck, read_deck, write_mesh
 from meshops.formats.verified import write_verified
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
@@ -52,7 +53,8 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
     """
     assessment = job.assessment
     before = job.mesh
-    after = write_verified(deck, done.mesh, folder / source.name).mesh
+    read = partial(read_deck, regions=job.config.regions)
+    after = write_verified(deck, done.mesh, folder / source.name, read=read).mesh
     write_mesh(
         after,
         folder / "mesh.vtu",

@@ -218,7 +218,7 @@ def _work(
 
 
 def _read(source: Path, config: Config) -> tuple[Deck, Job]:
-    deck = read_deck(source)
+    deck = read_deck(source, regions=config.regions)
     mesh, locks = deck.mesh, deck.locks
     if config.only is not None:
         mesh = locked_but(mesh, deck.select(config.only))

@@ -11,6 +11,7 @@ from islands.folder import assessment_of_run
 from meshops.criteria import NAMES
 from meshops.errors import InputError
 from meshops.formats import read_deck, write_mesh
+from meshops.mesh import ShellMesh
 from tests.decks import bad_plate
 from tests.test_cli import FAST, call, deck
 from tracking.events import RunStarted
@@ -304,3 +305,33 @@ def test_a_run_that_ends_worse_in_anything_says_so(call, tmp_path: Path) -> None
         "compound Q.I. 1.0 -> 2.5",
         "irregular nodes 1 -> 2",
     )
+
+
+def shared_places(mesh: ShellMesh) -> set[tuple[float, ...]]:
+    """Places of the nodes that elements of several regions use."""
+    regions: dict[int, set[int]] = {}
+    for row, region in zip(mesh.elements.tolist(), mesh.region.tolist(), strict=True):
+        for node in row:
+            regions.setdefault(node, set()).add(region)
+    return {
+        tuple(mesh.points[node].tolist())
+        for node, found in regions.items()
+        if node >= 0 and len(found) > 1
+    }
+
+
+def test_an_array_of_a_file_tells_the_parts(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    mesh = bad_plate()
+    half = (mesh.points[mesh.elements[:, :3], 0].mean(axis=1) > 25.0).astype(int)
+    write_mesh(mesh, tmp_path / "a.vtu", cell_data={"layer": half + 3})
+    options = ("--out", "run", *QUICK)
+    assert call("optimize", "a.vtu", "--regions", "layer", *options)[0] == 0
+    between = [
+        shared_places(read_deck(tmp_path / name, regions="layer").mesh)
+        for name in ("a.vtu", "run/a.vtu")
+    ]
+    assert len(between[0]) == 9
+    assert between[1] == between[0]
+    code, _, err = call("optimize", "a.vtu", "--regions", "nothing", "--out", "other", *QUICK)
+    assert code == 2
+    assert "nothing" in err

@@ -54,6 +54,11 @@ _QUIET = click.option("--quiet", is_flag=True, help="Show no progress.")
     help="Repair this part and lock the rest: a set, a property, or ids like 1:100,205.",
 )
 @click.option(
+    "--regions",
+    metavar="ARRAY",
+    help="The array of the cells of a .vtu file that tells its parts, whose borders stay.",
+)
+@click.option(
     "--slide/--no-slide",
     default=None,
     help="Whether nodes on a border may slide along it; default: they may.",
