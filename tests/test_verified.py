@@ -54,6 +54,15 @@ def test_elements_on_the_nodes_of_gone_ones_are_written_with_their_ids(
     assert len(read_deck(tmp_path / f"b{suffix}").mesh.elements) == len(deck.mesh.elements) + 1
 
 
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_elements_may_change_where_no_node_does(tmp_path: Path, suffix: str) -> None:
+    write_mesh(bad_plate(), tmp_path / f"a{suffix}")
+    deck = read_deck(tmp_path / f"a{suffix}")
+    mesh = replace(edited(deck.mesh), points=deck.mesh.points)
+    write_verified(deck, mesh, tmp_path / f"b{suffix}")
+    assert len(read_deck(tmp_path / f"b{suffix}").mesh.elements) == len(deck.mesh.elements) + 1
+
+
 def joined(mesh):
     """Two trias that share an edge as one quad."""
     first, *others = mesh.elements[:, :3].tolist()

@@ -160,9 +160,10 @@ class _Hosts:
         """(k,) elements of these regions nearest to places, and (k, 4) weights of their nodes."""
         hosts = np.zeros(len(places), np.int64)
         weights = np.zeros((len(places), 4))
-        _, near_nodes = self._nodes.query(places, k=min(NEAREST, len(self._mesh.points)))
+        count = min(NEAREST, len(self._mesh.points))
+        _, near_nodes = self._nodes.query(places, k=count)
         # a tree names one row too many where a distance is larger than a number can be
-        near_nodes = near_nodes.reshape(len(places), -1).clip(0, len(self._mesh.points) - 1)
+        near_nodes = near_nodes.reshape(len(places), count).clip(0, len(self._mesh.points) - 1)
         for region in np.unique(regions):
             inside = np.flatnonzero(self._mesh.region == region)
             if not len(inside):
