@@ -13,7 +13,7 @@ from islands.folder import RESULT
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
 from meshops.failures import TRIED, csv_text, failures
-from meshops.formats import Deck, read_deck, write_mesh
+from meshops.formats import Deck, check_writable_suffix, read_deck, write_mesh
 from meshops.formats.verified import write_verified
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
@@ -40,6 +40,7 @@ def prepare_folder(folder: Path, source: Path, *, overwrite: bool) -> None:
         )
     if (folder / source.name).resolve() == source.resolve():
         raise InputError(f"{source} lies in {folder}; name another folder with --out.")
+    check_writable_suffix(folder / source.name)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

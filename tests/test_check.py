@@ -273,6 +273,21 @@ def test_a_deck_that_is_not_the_model_ends_with_3(  # type: ignore[no-untyped-de
     assert "result.json" not in names
 
 
+def test_a_folder_that_may_not_be_written_to_is_told_before_the_search(  # type: ignore[no-untyped-def]
+    call, deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("meshops.formats.suffixes.os.access", lambda *_: False)
+    for arguments in (
+        ("optimize", deck, "--out", "no/run", *FAST),
+        ("mesh", deck, "--out", "no/a.bdf"),
+        ("replay", "p.json", deck, "--out", "no/a.bdf"),
+    ):
+        code, out, err = call(*arguments)
+        assert (code, out) == (2, "")
+        assert f"{tmp_path} may not be written to" in err
+    assert not (tmp_path / "no").exists()
+
+
 def test_ids_that_are_not_there_are_told_before_the_search(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     write_mesh(bad_plate(), tmp_path / "full.bdf")
     text = (tmp_path / "full.bdf").read_text()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from meshops.errors import InputError
@@ -22,10 +23,14 @@ def check_suffix(path: Path) -> None:
 def check_writable_suffix(path: Path) -> None:
     """Raise InputError where a mesh cannot be written to ``path``, to be called early.
 
-    That is where the suffix is of no known format, the path is a folder or its folder is a file.
+    That is where the suffix is of no known format, the path is a folder, its folder is a file or
+    may not be written to.
     """
     check_suffix(path)
     if path.is_dir():
         raise InputError(f"{path} is a folder: name a file to write to.")
     if path.parent.exists() and not path.parent.is_dir():
         raise InputError(f"{path.parent} is not a folder: choose another place to write to.")
+    there = next(folder for folder in path.absolute().parents if folder.exists())
+    if not os.access(there, os.W_OK):
+        raise InputError(f"{there} may not be written to: choose another place.")
