@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -276,7 +277,7 @@ def test_a_deck_that_is_not_the_model_ends_with_3(  # type: ignore[no-untyped-de
 def test_a_folder_that_may_not_be_written_to_is_told_before_the_search(  # type: ignore[no-untyped-def]
     call, deck: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("meshops.formats.suffixes.os.access", lambda *_: False)
+    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
     for arguments in (
         ("optimize", deck, "--out", "no/run", *FAST),
         ("mesh", deck, "--out", "no/a.bdf"),
