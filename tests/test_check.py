@@ -7,7 +7,9 @@ import shutil
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from islands.cli import cli
 from islands.folder import assessment_of_run
 from meshops.criteria import NAMES
 from meshops.errors import InputError
@@ -351,3 +353,15 @@ def test_an_array_of_a_file_tells_the_parts(call, tmp_path: Path) -> None:  # ty
     code, _, err = call("optimize", "a.vtu", "--regions", "nothing", "--out", "other", *QUICK)
     assert code == 2
     assert "nothing" in err
+
+
+def test_rows_in_which_elements_fail_are_red_on_a_terminal(
+    poor: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    arguments = ["check", str(poor), "--size", "5", "--criteria", "paper"]
+    shown = CliRunner().invoke(cli, arguments, color=True).output.splitlines()
+    red = [line for line in shown if line.startswith("\x1b[31m")]
+    assert [line.split("  ")[1].strip() for line in red] == ["max length", "aspect ratio"]
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert "\x1b" not in CliRunner().invoke(cli, arguments, color=True).output
