@@ -43,8 +43,9 @@ class Walks:
         Elements on the way.
     arrived : (W,) bool
         Whether it came to a line that is parallel to the first.
-    regular : (W,) bool
-        Whether all elements on the way are quads.
+    steady : (W,) bool
+        Whether all elements on the way are quads, and those beside it on the line go through as
+        many: the part has rows there.
     """
 
     starts: Floats
@@ -53,7 +54,7 @@ class Walks:
     edge: Ids
     rows: Ids
     arrived: Bools
-    regular: Bools
+    steady: Bools
 
     @property
     def width(self) -> Floats:
@@ -95,7 +96,9 @@ def walk_across(mesh: ShellMesh, edges: Edges, kinds: Kinds) -> Walks:
     length = np.linalg.norm(along, axis=1)
     cosine = np.abs(np.einsum("ij,ij->i", along, last))
     arrived &= cosine >= PARALLEL * length * np.linalg.norm(last, axis=1)
-    return Walks(starts, end - begin, length, first, rows, arrived, regular)
+    across, sound = end - begin, arrived & regular
+    steady = sound & _as_beside(edges.nodes[first], across, np.where(sound, rows, -1))
+    return Walks(starts, across, length, first, rows, arrived, steady)
 
 
 @dataclass(frozen=True)
@@ -127,9 +130,9 @@ class RowsAcross:
 def compare_rows(before: Walks, after: Walks) -> RowsAcross:
     """Compare the rows from one line to another, wherever both meshes go the same way.
 
-    Only walks through quads alone are a measure of rows before; afterwards all are.
+    Only where the part has rows is there something to keep; afterwards any walk counts.
     """
-    sound = np.flatnonzero(before.arrived & before.regular)
+    sound = np.flatnonzero(before.steady)
     now = np.flatnonzero(after.arrived)
     if not len(sound) or not len(now):
         return RowsAcross(0, 1.0, 0, None, 0, 0)
@@ -161,6 +164,30 @@ def _side(mesh: ShellMesh, element: Ids, side: Ids) -> tuple[Floats, Floats]:
     start = mesh.points[mesh.elements[element, side]]
     end = mesh.points[mesh.elements[element, (side + 1) % size]]
     return 0.5 * (start + end), end - start
+
+
+def _as_beside(ends: Ids, across: Floats, rows: Ids) -> Bools:
+    """(W,) bool: walks all of whose neighbours on the line, that go the same way, have its rows.
+
+    `ends` are the nodes of the first sides, `rows` -1 where a walk is no measure.
+    """
+    node, walk = ends.T.ravel(), np.tile(np.arange(len(ends)), 2)
+    order = np.argsort(node, kind="stable")
+    node, walk = node[order], walk[order]
+    count = np.bincount(node)[node] if len(node) else node
+    place = np.arange(len(node)) - np.searchsorted(node, node)
+    alike, beside = np.ones(len(ends), bool), np.zeros(len(ends), bool)
+    for step in range(1, int(count.max(initial=1))):
+        here = np.flatnonzero(place + step < count)
+        one, other = walk[here], walk[here + step]
+        cosine = np.einsum("ij,ij->i", across[one], across[other])
+        lengths = np.linalg.norm(across[one], axis=1) * np.linalg.norm(across[other], axis=1)
+        same_way = cosine > PARALLEL * lengths
+        one, other = one[same_way], other[same_way]
+        beside[one] = beside[other] = True
+        different = rows[one] != rows[other]
+        alike[one[different]] = alike[other[different]] = False
+    return alike & beside
 
 
 def _opposite(mesh: ShellMesh, element: Ids, side: Ids, heading: Floats) -> Ids:
