@@ -17,7 +17,8 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -76,7 +77,7 @@ def measure(source: Source, criteria: str, limit: float) -> Outcome:
         before = source.load()
         job = job_of(source.name, before, criteria=criteria)
     except InputError as error:
-        return _changed(outcome, refused=str(error))
+        return replace(outcome, refused=str(error))
     started = time.monotonic()
     done = improved(job, limit).done
     seconds = time.monotonic() - started
@@ -86,18 +87,23 @@ def measure(source: Source, criteria: str, limit: float) -> Outcome:
         after, failure = done.mesh, f"it cannot be written: {error}"
     scoring = load_criteria(criteria).at(median_size(before))
     harm = compare(before, after, scoring, local_sizes(before, after))
-    return _changed(outcome, harm=harm, seconds=seconds, failure=failure)
+    return replace(outcome, harm=harm, seconds=seconds, failure=failure)
 
 
 class Worker:
-    """A process for one deck after the other, and a new one where it crashes or hangs."""
+    """A process for one deck after the other, and a new one where it crashes or hangs.
 
-    def __init__(self) -> None:
+    `start` makes the pool of the one process.
+    """
+
+    def __init__(self, start: Callable[[], ProcessPoolExecutor]) -> None:
+        self._start = start
         self._pool: ProcessPoolExecutor | None = None
+        self._others = multiprocessing.active_children()
 
     def measure(self, source: Source, criteria: str, limit: float) -> Outcome:
         """Return what `measure` does, or an outcome that says why there is none."""
-        self._pool = self._pool or processes(1)
+        self._pool = self._pool or self._start()
         future = self._pool.submit(measure, source, criteria, limit)
         try:
             return future.result(timeout=3.0 * limit + GRACE)
@@ -115,7 +121,8 @@ class Worker:
         if self._pool is not None:
             self._pool.shutdown(wait=False, cancel_futures=True)
             for child in multiprocessing.active_children():
-                child.terminate()
+                if child not in self._others:
+                    child.terminate()
         self._pool = None
 
 
@@ -199,10 +206,6 @@ def _sum(outcomes: Sequence[Outcome], value: Callable[[Harm], int]) -> int:
     return sum(value(outcome.harm) for outcome in outcomes if outcome.harm)
 
 
-def _changed(outcome: Outcome, **changes: Any) -> Outcome:
-    return Outcome(**{**vars(outcome), **changes})
-
-
 def _as_json(outcome: Outcome) -> dict[str, Any]:
     return {**vars(outcome), "harm": outcome.harm.to_json() if outcome.harm else None}
 
@@ -227,7 +230,7 @@ def main() -> None:
     """Measure the groups that are asked for."""
     chosen = _options()
     outcomes: list[Outcome] = []
-    worker = Worker()
+    worker = Worker(partial(processes, 1))
     try:
         for group in chosen.groups or GROUPS:
             for source in GROUPS[group](chosen):
