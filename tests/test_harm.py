@@ -373,6 +373,29 @@ def test_facets_explain_what_middles_of_a_curved_mesh_differ_by():
     assert not says(harm.broken(), "surface")
 
 
+def test_a_narrow_strip_between_two_creases_is_not_folded_back():
+    """A step that is much lower than the plates beside it are wide, sharper than a right angle."""
+    step = [(0.0, 0.0), (5.0, 0.0), (4.99, 0.02), (9.99, 0.02)]
+    mesh = shaped(sheet(3, 6), lambda x, y: (step_at(step, x, 0), y, step_at(step, x, 1)))
+    found = compare(mesh, mesh, UNIT).before
+    assert found.inverted == 0
+    assert found.areas == pytest.approx({0: 6 * (10 + np.hypot(0.01, 0.02))})
+
+
+def step_at(section, x, axis):
+    return np.array([place[axis] for place in section])[x.astype(int)]
+
+
+def test_walks_where_there_are_no_rows_are_no_measure():
+    """In an irregular mesh one walk goes through more quads than the next: none is to be kept."""
+    mesh = sheet(8, 8, trias=0.5, seed=2)
+    edges = Edges.of(mesh)
+    assert walk_across(mesh, edges, kinds_of(mesh, edges)).steady.sum() <= 4
+    even = sheet(8, 8)
+    edges = Edges.of(even)
+    assert walk_across(even, edges, kinds_of(even, edges)).steady.all()
+
+
 def test_areas_of_regions():
     mesh = in_two_regions(sheet(4, 4), 2.0)
     harm = compare(mesh, moved(mesh, node_at(mesh, 2, 0, 0), (0.1, 0, 0)), UNIT)

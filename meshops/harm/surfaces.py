@@ -26,6 +26,9 @@ LIMIT = 0.01
 AREA_LIMIT = 0.001
 """Share of a region's area that it may change by."""
 
+SMOOTH = 60.0
+"""Degrees up to which two elements lie on one side, and from 180 back, on each other."""
+
 _SPLITS = ((0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3))
 """A warped quad is what lies between its two ways to be split: either will do."""
 
@@ -87,13 +90,16 @@ def areas_by_region(mesh: ShellMesh, folded: Bools) -> dict[int, float]:
 def folded_elements(mesh: ShellMesh, edges: Edges) -> Bools:
     """(M,) bool: elements that look the other way than those around them, over shared edges.
 
-    Only neighbours that run along their common edge as elements of one side do have a say.
+    Only neighbours that run along their common edge as elements of one side do have a say, and not
+    across a crease: what is folded back turns by nearly 180 degrees.
     """
     normals = area_vectors(mesh)
-    pair = edges.pair[edges.pair[:, 0] >= 0]
-    sides = edges.pair_sides[edges.pair[:, 0] >= 0]
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.maximum(lengths, np.finfo(float).tiny)
+    two = edges.pair[:, 0] >= 0
+    pair, sides, angles = edges.pair[two], edges.pair_sides[two], dihedral_angles(mesh, edges)[two]
     agree = mesh.elements[pair[:, 0], sides[:, 0]] != mesh.elements[pair[:, 1], sides[:, 1]]
-    one, other = pair[agree].T
+    one, other = pair[agree & ((angles < SMOOTH) | (angles > 180.0 - SMOOTH))].T
     around = normals
     for _ in range(2):
         total = np.zeros_like(normals)
