@@ -72,12 +72,12 @@ def _mesh_part(part: Part, configuration: Configuration) -> ShellMesh:
     import gmsh
 
     def build() -> None:
-        loops = [_add_loop(loop) for loop in (part.outline, *part.holes)]
+        loops = [add_loop(loop) for loop in (part.outline, *part.holes)]
         gmsh.model.geo.addPlaneSurface(loops)
         gmsh.model.geo.synchronize()
         _set_size(part.size)
 
-    return _generate(configuration, build)
+    return generate(configuration, build)
 
 
 def _mesh_file(path: Path, size: float, configuration: Configuration) -> ShellMesh:
@@ -91,7 +91,7 @@ def _mesh_file(path: Path, size: float, configuration: Configuration) -> ShellMe
             gmsh.model.mesh.createGeometry()
         _set_size(size)
 
-    return _generate(configuration, build)
+    return generate(configuration, build)
 
 
 def _mesh_polygon(places: Floats, configuration: Configuration) -> ShellMesh:
@@ -106,10 +106,11 @@ def _mesh_polygon(places: Floats, configuration: Configuration) -> ShellMesh:
         for line in lines:
             gmsh.model.mesh.setTransfiniteCurve(line, 2)
 
-    return _generate(configuration, build)
+    return generate(configuration, build)
 
 
-def _add_loop(loop: Loop) -> int:
+def add_loop(loop: Loop) -> int:
+    """Add a closed loop of lines and arcs to gmsh's model; returns its tag."""
     import gmsh
 
     geo = gmsh.model.geo
@@ -132,8 +133,8 @@ def _set_size(size: float) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
 
 
-def _generate(configuration: Configuration, build: Callable[[], None]) -> ShellMesh:
-    """Mesh what `build` puts into a new model."""
+def generate(configuration: Configuration, build: Callable[[], None]) -> ShellMesh:
+    """Mesh what `build` puts into a new model; raises ValueError where no element comes of it."""
     import gmsh
 
     gmsh.initialize(interruptible=False)
