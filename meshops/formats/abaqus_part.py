@@ -144,7 +144,13 @@ class Part:
                 facts[fact].append(element)
         gone = frozenset(change.gone_elements.tolist())
         self._elsets.write(splice, gone=gone, joining=lists)
-        write_element_facts(splice, self._sources.stream, self._facts, gone=gone, joining=facts)
+        lines = self._sources.stream
+        write_element_facts(splice, lines, self._facts, gone=gone, joining=facts)
+        graded = {
+            number: [layer for layer, _ in region.graded]
+            for number, region in enumerate(self.regions)
+        }
+        self._facts.pressures.splice(splice, lines, self.mesh, change, graded)
 
 
 def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
