@@ -15,7 +15,7 @@ from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
-from meshops.patch import join
+from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.sizing import parse_size
 from meshops.subdomain import Aim, Extent, Subdomain, subdomains
@@ -304,7 +304,7 @@ def perform(
             for subdomain, place in zip(found, done.places, strict=False)
             if place.steps
         ]
-        mesh = apply(mesh, join(mesh, edits))
+        mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
     return mesh
 
 

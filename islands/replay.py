@@ -26,6 +26,7 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
     """
     procedure = read_procedure(procedure_file)
     deck = read_deck(source)
+    deck.check_room()
     if deck.mesh.digest != procedure.mesh:
         return _transfer(procedure, procedure_file, deck, source, out)
     setting = procedure.setting(deck.mesh)

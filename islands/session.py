@@ -178,6 +178,7 @@ def _work(
 
 def _read(source: Path, config: Config) -> tuple[Deck, Job]:
     deck = read_deck(source)
+    deck.check_room()
     return deck, Job.of(source.name, deck.mesh, load_criteria(config.criteria), config)
 
 

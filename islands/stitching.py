@@ -10,7 +10,7 @@ from islands.integration_ga import Problem, Work
 from islands.procedure import Place, Round, subdomain_setting
 from meshops.edit import apply
 from meshops.mesh import ShellMesh
-from meshops.patch import join
+from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.subdomain import Aim, Subdomain
 
@@ -48,4 +48,4 @@ def stitched(
         if piece.steps:
             edits.append(subdomain.edit(mesh, piece.mesh))
         done.append(Place((x, y, z), piece.steps))
-    return replace(empty, places=tuple(done)), apply(mesh, join(mesh, edits))
+    return replace(empty, places=tuple(done)), apply(mesh, join(mesh, without_doubles(mesh, edits)))

@@ -11,7 +11,7 @@ from meshops.edit import Edit, apply
 from meshops.errors import InputError
 from meshops.mesh import Floats, ShellMesh
 from meshops.operations import Operation
-from meshops.patch import join
+from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.subdomain import Subdomain, subdomains
 from meshops.surface import PatchSurface
@@ -54,7 +54,7 @@ def transfer(
             places.append(place)
             edits.append(edit)
         if any(place.steps for place in places):
-            mesh = apply(mesh, join(mesh, edits))
+            mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
             rounds.append(replace(done, places=tuple(places)))
     return mesh, tuple(rounds)
 

@@ -112,6 +112,43 @@ def stitch(mesh: ShellMesh, patch: Patch, points: Floats, elements: Ints) -> Edi
     )
 
 
+def without_doubles(mesh: ShellMesh, edits: Iterable[Edit]) -> list[Edit]:
+    """Leave out edits that put an element on the nodes of another one.
+
+    That may be one that a patch cannot see, as across a T-junction, or of an edit before.
+    """
+    done = list(edits)
+    count = len(mesh.points)
+    brought = [_on_old_nodes(edit, count) for edit in done]
+    wanted = {nodes for keys in brought for nodes in keys}
+    if not wanted:
+        return done
+    is_near = np.zeros(count + 1, bool)
+    is_near[list({node for nodes in wanted for node in nodes})] = True
+    is_near[NO_NODE] = True
+    near = np.flatnonzero(is_near[mesh.elements].all(axis=1))
+    there: dict[tuple[int, ...], set[int]] = {}
+    for row, nodes in zip(
+        near.tolist(), np.sort(mesh.elements[near], axis=1).tolist(), strict=True
+    ):
+        there.setdefault(tuple(nodes), set()).add(row)
+    kept: list[Edit] = []
+    for edit, keys in zip(done, brought, strict=True):
+        own = {*edit.removed.tolist(), *edit.rewired.tolist()}
+        if len(set(keys)) == len(keys) and all(there.get(nodes, set()) <= own for nodes in keys):
+            kept.append(edit)
+            for nodes in keys:
+                there.setdefault(nodes, set()).add(NO_NODE)
+    return kept
+
+
+def _on_old_nodes(edit: Edit, count: int) -> list[tuple[int, ...]]:
+    """Nodes, ascending, of what an edit brings that has none of its new nodes."""
+    elements = np.concatenate([edit.rewired_to, edit.added_elements])
+    old = elements[(elements < count).all(axis=1)]
+    return [tuple(nodes) for nodes in np.sort(old, axis=1).tolist()]
+
+
 def join(mesh: ShellMesh, edits: list[Edit]) -> Edit:
     """One edit of several that touch different patches of the same mesh."""
     if len(edits) == 1:

@@ -6,8 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshops.edit import apply
-from meshops.patch import components, extract, extract_each, join, stitch
+from meshops.edit import Edit, apply
+from meshops.mesh import NO_NODE, ShellMesh
+from meshops.patch import components, extract, extract_each, join, stitch, without_doubles
 from meshops.topology import topology
 from tests.meshes import (
     CURVED_KINDS,
@@ -52,6 +53,25 @@ def contents(mesh):
         turned = min(tuple(places[k:] + places[:k]) for k in range(len(places)))
         found[turned, int(region)] += 1
     return found
+
+
+def test_an_edit_that_doubles_an_element_is_left_out():
+    points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)], float)
+    mesh = ShellMesh.build(points, [[0, 1, 2, 3], [1, 4, 5, 2], [0, 1, 2, NO_NODE]])
+
+    def instead_of(row, *elements):
+        added = np.array(elements, np.int32)
+        return Edit(np.array([row]), added_elements=added, added_region=np.zeros(len(added)))
+
+    doubling = instead_of(0, (0, 1, 2, NO_NODE), (0, 2, 3, NO_NODE))
+    other = instead_of(0, (0, 1, 3, NO_NODE), (1, 2, 3, NO_NODE))
+    beside = instead_of(1, (1, 4, 5, NO_NODE), (1, 5, 2, NO_NODE))
+    assert without_doubles(mesh, [doubling, beside]) == [beside]
+    assert without_doubles(mesh, [other, beside]) == [other, beside]
+    # what takes the place of the other one may be on its nodes
+    again = instead_of(2, (1, 2, 0, NO_NODE))
+    assert without_doubles(mesh, [again]) == [again]
+    assert without_doubles(mesh, [beside, instead_of(0, (4, 5, 1, NO_NODE))]) == [beside]
 
 
 def in_the_skin(mesh):

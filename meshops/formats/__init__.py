@@ -33,6 +33,9 @@ class Deck(Protocol):
     def notes(self) -> tuple[str, ...]:
         """What a reader of the file should know besides, a sentence each."""
 
+    def check_room(self) -> None:
+        """Raise InputError, before a search, where ids for what is new would run out."""
+
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write the file with ``mesh``, which descends from ``self.mesh``, in their place.
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.errors import InputError
 from meshops.formats.abaqus_blocks import Block, records
 from meshops.formats.abaqus_items import (
     Items,
@@ -43,7 +42,7 @@ from meshops.formats.abaqus_uses import Fact, read_uses
 from meshops.formats.abaqus_writing import write_elements, write_first_lists, write_nodes
 from meshops.formats.checks import checked_mesh, note_on, on_same_nodes, without_repeated_nodes
 from meshops.formats.difference import Difference, compare
-from meshops.formats.ids import IdSet, free_ids
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock
 from meshops.formats.node_attributes import (
     Memberships,
@@ -121,16 +120,9 @@ class Part:
         self._write_memberships_of_elements(splice, change)
 
     def check_room(self) -> None:
-        """Raise InputError where there are not as many free ids as the mesh has nodes, elements."""
-        taken = (self._taken_nodes, self._taken_elements)
-        every = (self.mesh.node_ids, self.mesh.element_ids)
-        for what, ids, mine in zip(("nodes", "elements"), every, taken, strict=True):
-            free = free_ids(ids, mine, LARGEST_ID)
-            if free < len(ids):
-                raise InputError(
-                    f"The deck leaves {free:,} ids of {what} free up to {LARGEST_ID}, too few to "
-                    f"repair {len(ids):,} {what}: renumber it first."
-                )
+        """Raise InputError where there are fewer free ids than the mesh has nodes or elements."""
+        check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID, "nodes")
+        check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID, "elements")
 
     def _write_memberships_of_elements(self, splice: Splice, change: Difference) -> None:
         lists: dict[str, list[int]] = defaultdict(list)
@@ -204,8 +196,12 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
         shared=common.shared,
         locks=locks.told(),
         notes=[
-            *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
-            *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),
+            *note_on(element_ids, same, "On the same nodes as another shell, and left as they are"),
+            *note_on(
+                element_ids,
+                is_repeated,
+                "A quad that names a node twice is a tria, and left as it is",
+            ),
         ],
         _sources=sources,
         _nodes=nodes,

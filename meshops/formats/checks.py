@@ -46,7 +46,7 @@ def checked_mesh(
     ------
     InputError
         No element; a coordinate that is not finite; a node or element id used twice; an element
-        that names a missing node or one node twice.
+        that names a missing node or one node twice; no element that is alone on its nodes.
     """
     if not len(corners):
         raise InputError(f"{source} holds no linear shell element: there is nothing to repair.")
@@ -55,6 +55,9 @@ def checked_mesh(
     nodes = _distinct_nodes(node_ids, points, node_place)
     elements = _element_rows(corners, node_ids[nodes], element_ids, element_place)
     _check_repeated_nodes(elements, corners, element_ids, element_place)
+    same = on_same_nodes(elements)
+    if same.all():
+        _refuse_same_nodes(elements, element_ids, element_place)
     used = np.unique(elements[elements != NO_NODE])
     compact = np.where(elements == NO_NODE, NO_NODE, np.searchsorted(used, elements))
     # nodes keep the order of the file, not that of their ids
@@ -67,7 +70,7 @@ def checked_mesh(
         elements=np.where(compact == NO_NODE, NO_NODE, rank[compact]),
         region=region,
         locked_nodes=locked_nodes[kept],
-        locked_elements=locked_elements | on_same_nodes(elements),
+        locked_elements=locked_elements | same,
         node_ids=node_ids[kept],
         element_ids=element_ids,
     )
@@ -140,6 +143,16 @@ def _check_repeated_nodes(elements: Ids, corners: Ids, element_ids: Ids, place: 
         )
 
 
+def _refuse_same_nodes(elements: Ids, element_ids: Ids, place: Place) -> None:
+    ordered = np.sort(elements, axis=1)
+    twice = (ordered == ordered[0]).all(axis=1).nonzero()[0]
+    first, second = int(twice[0]), int(twice[1])
+    raise InputError(
+        f"{place(second)}: elements {element_ids[first]} and {element_ids[second]} lie on the "
+        "same nodes, and so do all others; remove one of each."
+    )
+
+
 def on_same_nodes(elements: Ints | Ids) -> Bools:
     """(M,) bool: which elements (M, 4) have all their nodes in common with another one."""
     ordered = np.sort(elements, axis=1)
@@ -153,6 +166,8 @@ def on_same_nodes(elements: Ints | Ids) -> Bools:
 
 def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
     """Turn quads that name a node twice in a row into the trias that they mean.
+
+    Where all elements do so there is no mesh, but a mistake: then they are left.
 
     Parameters
     ----------
@@ -168,6 +183,8 @@ def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
     distinct = np.array([len(set(row)) for row in corners[twice.any(axis=1)].tolist()], int)
     rows = np.flatnonzero(twice.any(axis=1))[distinct == 3]
     is_repeated = np.zeros(len(corners), bool)
+    if len(rows) == len(corners):
+        return corners, is_repeated
     is_repeated[rows] = True
     found = corners.copy()
     keep = ~twice[rows]
@@ -177,9 +194,9 @@ def without_repeated_nodes(corners: Ids) -> tuple[Ids, Bools]:
 
 
 def note_on(element_ids: Ids, which: Bools, what: str) -> tuple[str, ...]:
-    """'3 elements lie on ...: 5, 7, 9.', or nothing where there are none."""
+    """Note what is true of some elements, 'Left as trias: elements 5, 7.'; nothing of none."""
     ids = element_ids[which].tolist()
     if not ids:
         return ()
-    named = ", ".join(map(str, ids[:5])) + (" and others" if len(ids) > 5 else "")
-    return (f"{len(ids):,} element{'s' * (len(ids) > 1)} {what}: {named}.",)
+    named = ", ".join(map(str, ids[:5])) + (f" and {len(ids) - 5:,} more" if len(ids) > 5 else "")
+    return (f"{what}: element{'s' * (len(ids) > 1)} {named}.",)

@@ -109,6 +109,22 @@ def free_ids(ids: Ids, taken: IdSet, limit: int) -> int:
     return max(limit - in_ranges - int(outside.sum()), 0)
 
 
+def check_room(ids: Ids, taken: IdSet, limit: int, what: str) -> None:
+    """Check before a search that there are as many free ids as ids in use.
+
+    Raises
+    ------
+    InputError
+        Where there are fewer; ``what`` says what they are ids of, as 'nodes'.
+    """
+    free = free_ids(ids, taken, limit)
+    if free < len(ids):
+        raise InputError(
+            f"The deck leaves {free:,} ids of {what} free up to {limit:,}, too few to repair "
+            f"{len(ids):,} {what}: renumber it first."
+        )
+
+
 def _merged(ranges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     found: list[tuple[int, int]] = []
     for first, last in sorted(ranges):

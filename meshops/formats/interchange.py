@@ -35,6 +35,9 @@ class InterchangeFile:
     locks: tuple[Lock, ...] = ()
     notes: tuple[str, ...] = ()
 
+    def check_room(self) -> None:
+        """Do nothing: such a file has no ids that could run out."""
+
     def write(self, mesh: ShellMesh, path: Path) -> None:
         """Write ``mesh`` as a whole new file; raises InputError where ``path`` is the source."""
         refuse_to_overwrite(path, [self.source])

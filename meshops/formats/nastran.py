@@ -26,6 +26,7 @@ from meshops.formats.nastran_contents import Contents, sort_cards
 from meshops.formats.nastran_directions import MaterialDirections
 from meshops.formats.nastran_nodes import splice_sets
 from meshops.formats.nastran_part import Part, read_part
+from meshops.formats.nastran_references import used_sets
 from meshops.formats.nastran_replication import write_out
 from meshops.formats.nastran_shells import Attributes
 from meshops.formats.nastran_superelements import attached
@@ -135,7 +136,9 @@ def read_nastran(path: Path) -> NastranDeck:
     begin = found[0].start
     case = read_case_control(sources.stream[start:begin], start)
     sources = write_out(sources, begin)
-    by_section = _sections(sources)
+    by_section = {
+        number: list(used_sets(cards, case.numbers)) for number, cards in _sections(sources).items()
+    }
     main = by_section.get(0, [])
     foreign = [card for card in main if card.name.startswith(_NAME_OTHER_SECTIONS)]
     contents = {

@@ -77,63 +77,104 @@ def lex(
     InputError
         Where a continuation belongs to no card.
     """
-    found: list[_Open] = []
-    waiting: dict[str, _Open] = {}
-    strays: list[tuple[int, _Row]] = []
+    found: list[_Rows] = []
+    strays: list[_Rows] = []
+    waiting: dict[str, _Rows] = {}
+    current: _Rows | None = None
     for position in range(start, len(lines) if stop is None else stop):
         row = split_line(lines[position])
         if row is None:
             continue
-        if row.head and row.head[0] not in "+*":
-            name = row.head.rstrip("* ").upper()
+        name = row.head.rstrip("* ").upper()
+        if name and name[0] not in "+*":
             if name.startswith("ENDDATA"):
                 break
-            found.append(_Open(Card(name, [], [], row.form)))
-        elif not found:
-            continue
-        elif not found[-1].is_followed_by(row):
-            strays.append((position, row))
-            continue
-        found[-1].append(position, row, waiting)
-    while strays:
-        left = []
-        for position, row in strays:
-            item = waiting.get(_continued_name(row.head))
-            if item is None:
-                left.append((position, row))
-            else:
-                item.append(position, row, waiting)
-        if len(left) == len(strays):
-            position, row = left[0]
-            raise InputError(
-                f"{where(position)}: the continuation '{row.head}' does not follow its card, and "
-                "no card ends in its name; put it right after its card."
-            )
-        strays = left
-    return [item.card for item in found]
+            current = _Rows(Card(name, [], [], row.form))
+            found.append(current)
+        elif current is None or not current.is_followed_by(row):
+            if not _continued_name(row.head):
+                continue
+            current = _Rows(Card(row.head, [], [], row.form), current)
+            strays.append(current)
+        current.append(position, row, waiting)
+    _bring_back(strays, waiting, where)
+    return [rows.card for rows in found]
 
 
-class _Open:
-    """A card while its lines are gathered: the marker that its last one ends in."""
+class _Rows:
+    """Lines of a card that follow each other, and the marker that the last one ends in.
 
-    def __init__(self, card: Card) -> None:
+    Continuations that do not follow their card are rows without one, until it is found.
+    """
+
+    def __init__(self, card: Card, before: _Rows | None = None) -> None:
         self.card = card
+        self.before = before
+        self.owner: _Rows = self
+        self.is_card = card.name[:1] not in ("+", "*")
         self.marker = ""
         self.width = 0
 
     def is_followed_by(self, row: _Row) -> bool:
         child = _continued_name(row.head)
-        return not child or not self.marker.strip("+* ") or child in _names(self.marker)
+        return not child or child in _names(self.marker)
 
-    def append(self, position: int, row: _Row, waiting: dict[str, _Open]) -> None:
+    def append(self, position: int, row: _Row, waiting: dict[str, _Rows]) -> None:
+        width = max(len(row.fields), row.form.per_line)
+        self._add(row.fields, [position], width, row.marker, waiting)
+
+    def join(self, other: _Rows, waiting: dict[str, _Rows]) -> None:
+        other.owner = self
+        self._add(other.card.fields, other.card.lines, other.width, other.marker, waiting)
+
+    def _add(
+        self,
+        fields: Sequence[str],
+        lines: Sequence[int],
+        width: int,
+        marker: str,
+        waiting: dict[str, _Rows],
+    ) -> None:
         # lines are shorter than their fields allow; the next line begins a row of its own
         self.card.fields.extend([""] * (self.width - len(self.card.fields)))
-        self.card.fields.extend(row.fields)
-        self.card.lines.append(position)
-        self.width += max(len(row.fields), row.form.per_line)
-        self.marker = row.marker
-        for name in _names(row.marker):
+        self.card.fields.extend(fields)
+        self.card.lines.extend(lines)
+        self.width += width
+        self.marker = marker
+        for name in _names(marker):
             waiting[name] = self
+
+
+def _bring_back(
+    strays: list[_Rows], waiting: dict[str, _Rows], where: Callable[[int], str]
+) -> None:
+    """Put continuations to the cards that end in their names, or else to those before them."""
+    while strays:
+        left = []
+        for rows in strays:
+            owner = waiting.get(_continued_name(rows.card.name))
+            if owner is not None and owner.is_card:
+                owner.join(rows, waiting)
+            else:
+                left.append(rows)
+        if len(left) == len(strays):
+            rows = left.pop(0)
+            before = _owner(rows.before)
+            if before is not None and (not before.is_card or before.marker.strip("+* ")):
+                raise InputError(
+                    f"{where(rows.card.lines[0])}: the continuation '{rows.card.name}' does not "
+                    "follow its card, and no card ends in its name; put it right after its card."
+                )
+            # what is before all cards continues something that is not bulk data
+            if before is not None:
+                before.join(rows, waiting)
+        strays = left
+
+
+def _owner(rows: _Rows | None) -> _Rows | None:
+    while rows is not None and rows.owner is not rows:
+        rows = rows.owner
+    return rows
 
 
 def _names(marker: str) -> set[str]:

@@ -32,6 +32,7 @@ def carried_pressures(
     after = change.mesh
     touched = touched_elements(change)
     found: dict[int, list[Pressure]] = {}
+    is_tria = after.is_tria
     for region in np.unique(after.region[touched]).tolist():
         new = np.flatnonzero(touched & (after.region == region))
         old = np.flatnonzero(before.region == region)
@@ -42,7 +43,7 @@ def carried_pressures(
             acting = _acting(field.sample, systems, asked_by)
             pressures = carry_over(before, old, values, after, new, acting)
             for row, at_corners in zip(new.tolist(), pressures.tolist(), strict=True):
-                load = field.sample.with_values(_typed(at_corners, bool(after.is_tria[row])))
+                load = field.sample.with_values(_typed(at_corners, bool(is_tria[row])))
                 found.setdefault(row, []).append(load)
     return found
 

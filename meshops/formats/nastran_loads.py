@@ -107,7 +107,7 @@ def pressure_card(card: Card) -> PressureCard | None:
         elements = _elements([first, *card.fields[6:8]], singles=1)
         direction = tuple(card.field(i) for i in range(8, 12))
         is_area = card.field(12).upper() in ("", "SURF") and card.field(13).upper() in ("", "NORM")
-        is_plain = is_area and not any(card.fields[14:]) and not any(card.fields[12:14])
+        is_plain = is_area and not any(card.fields[14:])
     else:
         sid, values = card.field(0), [card.field(1)]
         elements = _elements(card.fields[2:], singles=6)

@@ -43,7 +43,8 @@ def locks_of_memberships(
         for node in elements[row].tolist():
             if node != NO_NODE and found.locked_nodes[node]:
                 for item in own[node]:
-                    if item not in shared or not item.can_shrink:
+                    # a rigid element is a card that names its nodes, and told as such
+                    if item.can_grow and (item not in shared or not item.can_shrink):
                         nodes[card_name(item)].add(node)
     for row in np.flatnonzero(found.locked_elements).tolist():
         corners = [own[node] for node in elements[row].tolist() if node != NO_NODE]

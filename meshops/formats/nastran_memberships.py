@@ -76,29 +76,39 @@ class NodeCard(NamedTuple):
     entries: list[Entry]
     can_shrink: bool
 
-    def without(self, gone: Collection[int]) -> list[str] | None:
-        """Lines of the card without some nodes; None where it may stay as it is."""
-        named = set().union(*(entry.ids.singles for entry in self.entries))
-        has_range = any(entry.ids.ranges for entry in self.entries)
-        if has_range or named.isdisjoint(gone):
+    def without(self, gone: Collection[int], every: Collection[int]) -> list[str] | None:
+        """Lines of the card without some nodes; None where it may stay as it is.
+
+        ``every`` holds all nodes of the deck: a range that has held others, too, may hold them.
+        """
+        ids = [entry.ids for entry in self.entries]
+        if any(mine.ranges for mine in ids):
+            return self._without_in_ranges(gone, every)
+        if set().union(*(mine.singles for mine in ids)).isdisjoint(gone):
             return None
-        fields, layout = self.card.fields, _GROUPS.get(self.card.name)
-        words = {str(node) for node in gone}
-        if layout is None:
-            lead = _lead_of_list(self.card)
-            kept = [text for text in fields[lead:] if text and text.lstrip("0+") not in words]
-            head = fields[:lead]
-        else:
-            groups = [
-                fields[i : i + layout.size]
-                for i in range(layout.lead, len(fields), layout.size)
-                if fields[i] and fields[i].lstrip("0+") not in words
-            ]
-            kept = [
-                text for group in groups for text in [*group, *[""] * layout.size][: layout.size]
-            ]
-            head = fields[: layout.lead]
-        return card_lines(self.card.name, [*head, *kept], self.card.form) if kept else []
+        name, fields, layout = self.card.name, self.card.fields, _GROUPS.get(self.card.name)
+        lead = layout.lead if layout else _lead_of_list(self.card)
+        size = layout.size if layout else 1
+        groups = [[*fields[i : i + size]] for i in range(lead, len(fields), size)]
+        kept = [group for group in groups if group[0] and int(group[0]) not in gone]
+        whole = [[*group, *[""] * size][:size] for group in kept]
+        return card_lines(name, [*fields[:lead], *chain(*whole)], self.card.form) if kept else []
+
+    def _without_in_ranges(self, gone: Collection[int], every: Collection[int]) -> list[str] | None:
+        (ids,) = (entry.ids for entry in self.entries)
+        if len(ids.ranges) > 1 or ids.singles - {end for r in ids.ranges for end in r[:2]}:
+            return None
+        ((first, last, _),) = ids.ranges
+        out = sorted(node for node in gone if first <= node <= last)
+        if not out or last - first >= len(every) or any(i not in every for i in range(first, last)):
+            return None
+        lead = self.card.fields[: _lead_of_list(self.card)]
+        kept = [node for node in range(first, last + 1) if node not in gone]
+        return [
+            line
+            for words in _range_or_list(kept)
+            for line in card_lines(self.card.name, [*lead, *words], self.card.form)
+        ]
 
 
 def node_card(card: Card) -> NodeCard | None:

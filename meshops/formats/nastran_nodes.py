@@ -92,6 +92,11 @@ def held_nodes(contents: Contents, node_ids: Ids) -> dict[str, Bools]:
     return found
 
 
+def is_listed(item: Membership) -> bool:
+    """Whether a membership is a place on a card that lists nodes, and not a field of the GRID."""
+    return isinstance(item.kind, tuple) and item.kind[0] not in (*_ON_GRID, "SET")
+
+
 def card_name(item: Membership) -> str:
     """Name a membership in the words of a deck, for a reader."""
     kind = item.kind if isinstance(item.kind, tuple) else (item.kind,)
@@ -124,8 +129,9 @@ def splice_node_cards(
     new: Mapping[int, Memberships],
 ) -> None:
     """Take nodes that are gone out of their cards and give new ones, by id, cards of their own."""
+    every = contents.grid_by_id.keys()
     for card in contents.node_cards if gone else ():
-        lines = card.without(gone)
+        lines = card.without(gone, every)
         if lines is not None:
             splice.replace(card.card.lines, lines)
     last: dict[Family, Card] = {card.family: card.card for card in contents.node_cards}

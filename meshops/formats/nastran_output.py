@@ -151,7 +151,7 @@ class Update:
         for card in cards:
             layer = card.pressure.layer
             last[layer] = last[card.pressure.key] = card.lines[-1]
-            left_out = [e for e in out[layer] if e in card.elements] if out[layer] else []
+            left_out = _common(card.elements, out[layer])
             if len(card.elements) > 1:
                 of_many.add(layer)
             if left_out:
@@ -160,6 +160,13 @@ class Update:
             groups = [sorted(elements)] if load.layer in of_many else [[e] for e in elements]
             rows = [line for group in groups for line in load.lines(group)]
             splice.insert_after(last.get(load.key, last[load.layer]), rows)
+
+
+def _common(elements: Sequence[int], others: set[int]) -> list[int]:
+    """Ids that are in both; a range may be much longer than a set."""
+    if len(elements) > len(others):
+        return [element for element in others if element in elements]
+    return [element for element in elements if element in others]
 
 
 def _moved_grid(contents: Contents, grid: Card, point: Floats) -> list[str]:

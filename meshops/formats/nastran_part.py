@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshops.errors import InputError
 from meshops.formats import nastran_nodes as nodes
 from meshops.formats.checks import checked_mesh, note_on, on_same_nodes, without_repeated_nodes
 from meshops.formats.difference import compare
-from meshops.formats.ids import IdSet, free_ids
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock, most_first
 from meshops.formats.nastran_cards import Card
 from meshops.formats.nastran_case import CaseControl
@@ -29,7 +28,7 @@ from meshops.formats.nastran_output import Update
 from meshops.formats.nastran_regions import find_regions
 from meshops.formats.nastran_shells import CORNERS, Attributes
 from meshops.formats.nastran_systems import integer_at
-from meshops.formats.node_attributes import Memberships, share_memberships
+from meshops.formats.node_attributes import Memberships, share_memberships, take_over_ids
 from meshops.formats.pressure_fields import Field, sort_loads
 from meshops.formats.sources import Sources
 from meshops.mesh import Ids, ShellMesh
@@ -48,6 +47,8 @@ class Part:
     contents : Contents
     regions : list of Attributes
         What new elements of each region take over.
+    memberships : list of frozenset of Membership
+        What each node has.
     shared : list of frozenset of Membership
         What new nodes of each region get.
     systems : list of int
@@ -62,6 +63,7 @@ class Part:
     mesh: ShellMesh
     contents: Contents
     regions: list[Attributes]
+    memberships: list[Memberships]
     shared: list[Memberships]
     systems: list[int]
     fields: dict[Layer, Field[Pressure]]
@@ -82,7 +84,7 @@ class Part:
         taken_nodes, taken_elements = self._taken()
         change = compare(
             self.mesh,
-            mesh,
+            take_over_ids(self.mesh, mesh, self.memberships, self.shared, nodes.is_listed),
             taken_nodes=taken_nodes,
             taken_elements=taken_elements,
             limit=LARGEST_ID,
@@ -101,16 +103,10 @@ class Part:
         )
 
     def check_room(self) -> None:
-        """Raise InputError where there are not as many free ids as the mesh has nodes, elements."""
-        taken = self._taken()
-        every = (self.mesh.node_ids, self.mesh.element_ids)
-        for what, ids, mine in zip(("nodes", "elements"), every, taken, strict=True):
-            free = free_ids(ids, mine, LARGEST_ID)
-            if free < len(ids):
-                raise InputError(
-                    f"The deck leaves {free:,} ids of {what} free up to {LARGEST_ID}, too few to "
-                    f"repair {len(ids):,} {what}: renumber it first."
-                )
+        """Raise InputError where there are fewer free ids than the mesh has nodes or elements."""
+        taken_nodes, taken_elements = self._taken()
+        check_room(self.mesh.node_ids, taken_nodes, LARGEST_ID, "nodes")
+        check_room(self.mesh.element_ids, taken_elements, LARGEST_ID, "elements")
 
     def _taken(self) -> tuple[IdSet, IdSet]:
         """Ids that no new node and no new element may have.
@@ -182,6 +178,7 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
         mesh=mesh,
         contents=contents,
         regions=[regions.attributes[region] for region in of_region],
+        memberships=memberships,
         shared=[shared.shared[region] for region in before],
         systems=_systems(mesh, contents),
         fields=loads.fields,
@@ -200,8 +197,12 @@ def read_part(sources: Sources, contents: Contents, case: CaseControl) -> Part:
             ]
         ),
         notes=(
-            *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
-            *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),
+            *note_on(element_ids, same, "On the same nodes as another shell, and left as they are"),
+            *note_on(
+                element_ids,
+                is_repeated,
+                "A quad that names a node twice is a tria, and left as it is",
+            ),
         ),
     )
 

@@ -8,12 +8,13 @@ Reference Guides of MSC and NX Nastran.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
 from meshops.formats.ids import IdSet
 from meshops.formats.nastran_cards import Card
+from meshops.formats.nastran_shells import CORNERS
 
 _FIELDS: dict[str, str] = {
     "SPC": "n1 n4",
@@ -75,10 +76,10 @@ _NAME_NOTHING: frozenset[str] = frozenset(
     PROD PTUBE PBUSH PBUSHT PBUSH1D PELAS PELAST PDAMP PDAMPT PDAMP5 PMASS PGAP PVISC PFAST PWELD
     PSEAM PLPLANE PPLANE PAABSF CREEP SUPAX BCTSET BGSET BCPROP BCTPARM BGPARM
     SPLINE1 SPLINE2 SPLINE4 SPLINE5 CAERO1 CAERO2 CAERO3 CAERO4 CAERO5 PAERO1 PAERO2 AEFACT AESTAT
-    AESURF AELIST AELINK AEPARM TRIM FLUTTER GUST
+    AESURF AELIST AELINK AEPARM TRIM FLUTTER GUST RANDPS RANDT1
     """.split()  # noqa: SIM905 - a table of names reads better as text
 )
-_NAME_NOTHING_PREFIXES = ("MAT", "TABL", "TABR")
+_NAME_NOTHING_PREFIXES = ("MAT", "TAB")
 
 
 @dataclass(frozen=True)
@@ -113,9 +114,13 @@ Pick = Callable[[Sequence[str]], Sequence[str]]
 def _rule(name: str) -> tuple[tuple[str, Pick], ...]:
     spec = _by_name().get(name)
     if spec is None:
-        nothing = name in _NAME_NOTHING or name.startswith(_NAME_NOTHING_PREFIXES)
-        spec = "" if nothing else "b0:"
+        spec = "b0:" if _is_unknown(name) else ""
     return tuple((word[0], _pick(word[1:])) for word in spec.split())
+
+
+def _is_unknown(name: str) -> bool:
+    nothing = name in _NAME_NOTHING or name.startswith(_NAME_NOTHING_PREFIXES)
+    return not nothing and name not in _by_name()
 
 
 @cache
@@ -194,6 +199,24 @@ def _rbe3(card: Card, found: References) -> None:
             component_next = in_um
 
 
+def used_sets(cards: Iterable[Card], numbers: Collection[int]) -> Iterator[Card]:
+    """Pass over SET cards of OptiStruct that nothing uses.
+
+    ``numbers`` are those that case control names; a card that is not known may name one too.
+    """
+    every = list(cards)
+    if not any(card.name == "SET" for card in every):
+        yield from every
+        return
+    used = {str(number) for number in numbers}
+    for card in every:
+        if card.name not in (*_SPECIAL, *CORNERS, "GRID") and _is_unknown(card.name):
+            used.update(card.fields)
+    for card in every:
+        if card.name != "SET" or card.field(0) in used:
+            yield card
+
+
 def _set3(card: Card, found: References) -> None:
     """SID DES ID1 ID2 ..., where DES says what the ids are."""
     kinds = {"GRID": "n", "POINT": "n", "ELEM": "e", "PROP": ""}
@@ -207,5 +230,6 @@ _SPECIAL: dict[str, Callable[[Card, References], None]] = {
     "PLOAD4": _pload4,
     "RBE2": _rbe2,
     "RBE3": _rbe3,
+    "SET": _set3,
     "SET3": _set3,
 }

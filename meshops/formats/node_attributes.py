@@ -9,13 +9,17 @@ format; a format says which memberships there are and writes them.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from meshops.mesh import NEW, NO_NODE, Bools, Ids, Ints, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
+
+_CANDIDATES = 16
+"""Gone nodes among which a new one finds the nearest that is left."""
 
 
 class Membership(NamedTuple):
@@ -149,6 +153,65 @@ def rows_by_membership(found: Mapping[int, Memberships]) -> dict[Membership, lis
         for item in sorted(found[row], key=repr):
             rows.setdefault(item, []).append(row)
     return rows
+
+
+def take_over_ids(
+    before: ShellMesh,
+    after: ShellMesh,
+    own: Sequence[Memberships],
+    shared: Sequence[Memberships],
+    is_listed: Callable[[Membership], bool],
+) -> ShellMesh:
+    """Give new nodes the ids of gone nodes that had what they get, the nearest first.
+
+    So cards that list nodes need not change: to them it is as if the node had moved.
+
+    Parameters
+    ----------
+    before, own
+        The mesh of the deck, and what each of its nodes has, (N,).
+    after, shared
+        The edited mesh, and what new nodes of each region get.
+    is_listed
+        Whether a membership is a place in a list: a node with none keeps away from old ids.
+    """
+    gone = np.flatnonzero(~np.isin(before.node_ids, after.node_ids))
+    by_kind: dict[Memberships, list[int]] = {}
+    for row in gone.tolist():
+        if any(map(is_listed, own[row])):
+            by_kind.setdefault(own[row], []).append(row)
+    if not by_kind:
+        return after
+    waiting: dict[Memberships, list[int]] = {}
+    for row, items in memberships_of_new_nodes(after, shared).items():
+        if items in by_kind:
+            waiting.setdefault(items, []).append(row)
+    node_ids = after.node_ids.copy()
+    for items, rows in waiting.items():
+        old = by_kind[items]
+        pairs = _nearest_pairs(after.points[rows], before.points[old])
+        for new, taken in pairs:
+            node_ids[rows[new]] = before.node_ids[old[taken]]
+    node_ids.setflags(write=False)
+    return replace(after, node_ids=node_ids)
+
+
+def _nearest_pairs(points: Floats, others: Floats) -> list[tuple[int, int]]:
+    """Pair as many points as there are others for, those that are nearest to each other first."""
+    count = min(len(others), _CANDIDATES)
+    distance, other = KDTree(others).query(points, k=count)
+    order = np.argsort(distance, axis=None, kind="stable")
+    row_of = np.repeat(np.arange(len(points)), count)
+    found: dict[int, int] = {}
+    taken: set[int] = set()
+    for i in order.tolist():
+        row, mine = int(row_of[i]), int(np.ravel(other)[i])
+        if row not in found and mine not in taken:
+            found[row] = mine
+            taken.add(mine)
+    left = [i for i in range(len(others)) if i not in taken]
+    rows = [row for row in range(len(points)) if row not in found]
+    return sorted({**found, **dict(zip(rows, left, strict=False))}.items())
 
 
 def _differ(sets: Sequence[Memberships]) -> bool:

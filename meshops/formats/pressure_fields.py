@@ -19,8 +19,8 @@ from scipy.sparse.csgraph import connected_components
 from meshops.formats.fortran import real
 from meshops.mesh import Bools, Ids, Ints
 
-SMALLEST_AREA = 4
-"""Elements: fewer of one value are samples of a field and not an area of its own."""
+_AROUND = 3
+"""Elements at a node from which it is inside of an area and not on its border."""
 
 FEWEST_SAMPLES = 5
 """Different values of a layer: fewer make a field of it only where they differ little."""
@@ -119,7 +119,7 @@ def sort_loads(cards: Iterable[Loaded[L]], element_ids: Ids, corners: Ids) -> Sh
     graded: dict[int, list[tuple[Layer, int]]] = defaultdict(list)
     fields: dict[Layer, Field[L]] = {}
     for layer, by_row in layers.items():
-        area, is_field = _areas(by_row, pairs, len(element_ids))
+        area, is_field = _areas(by_row, pairs, corners)
         for row, loads in by_row.items():
             element = int(element_ids[row])
             if not is_field[row]:
@@ -162,12 +162,13 @@ def _neighbours(corners: Ids) -> Ids:
     return pairs
 
 
-def _areas(by_row: Mapping[int, Sequence[Load]], pairs: Ids, count: int) -> tuple[Ints, Bools]:
+def _areas(by_row: Mapping[int, Sequence[Load]], pairs: Ids, corners: Ids) -> tuple[Ints, Bools]:
     """Area of each row, and whether its values differ; of rows with loads, all others mean nothing.
 
     Rows of equal loads that touch make an area. Areas that touch are one where they differ little,
-    or where one of many is small.
+    or where one of many values is that of a strip or less, without a node inside.
     """
+    count = len(corners)
     kinds: dict[tuple[object, ...], int] = {}
     kind = np.full(count, -1, np.int64)
     size: list[float] = []
@@ -186,9 +187,9 @@ def _areas(by_row: Mapping[int, Sequence[Load]], pairs: Ids, count: int) -> tupl
     uneven = np.array(corners_differ)[kind] & (kind >= 0)
     same = (kind[left] == kind[right]) & ~uneven[left]
     patch = _components(pairs[same], count)
-    elements = np.bincount(patch[kind >= 0], minlength=patch.max() + 1)
+    is_wide = _has_inside(patch, corners, kind >= 0)
     one, other = values_of[kind[left]], values_of[kind[right]]
-    small = np.minimum(elements[patch[left]], elements[patch[right]]) < SMALLEST_AREA
+    small = ~(is_wide[patch[left]] & is_wide[patch[right]])
     small &= len(kinds) >= FEWEST_SAMPLES
     near = np.abs(one - other) <= SMALLEST_STEP * np.maximum(np.abs(one), np.abs(other))
     area = _components(pairs[same | small | near], count)
@@ -196,6 +197,21 @@ def _areas(by_row: Mapping[int, Sequence[Load]], pairs: Ids, count: int) -> tupl
     differs[area[uneven]] = True
     differs[area[left[(small | near) & ~same]]] = True
     return area, differs[area] & (kind >= 0)
+
+
+def _has_inside(patch: Ints, corners: Ids, is_loaded: Bools) -> Bools:
+    """(patches,) bool: which have a node inside, that no loaded element of another one is at."""
+    rows, sides = np.nonzero((corners != 0) & is_loaded[:, None])
+    _, node = np.unique(corners[rows, sides], return_inverse=True)
+    node = node.reshape(-1)
+    lowest = np.full(node.max(initial=0) + 1, len(corners))
+    highest = np.zeros(len(lowest), np.int64)
+    np.minimum.at(lowest, node, patch[rows])
+    np.maximum.at(highest, node, patch[rows])
+    inside = (lowest == highest) & (np.bincount(node, minlength=len(lowest)) >= _AROUND)
+    found = np.zeros(int(patch.max()) + 1, bool)
+    found[lowest[inside]] = True
+    return found
 
 
 def _components(pairs: Ids, count: int) -> Ints:

@@ -14,11 +14,17 @@ from scipy.spatial import KDTree
 from meshops.formats.difference import Difference
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, ShellMesh
 
-_SAMPLES = 6
-"""Along each side of an element: enough for force to stay within a percent before correction."""
+_MIDDLES = (np.arange(6) + 0.5) / 6
+"""Where a field is sampled along each side of an element, to find its mean over the area."""
+
+_GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
+"""Where force and moment are: exact for pressures that are bilinear."""
 
 _NEAREST = 16
 """Triangles of the old mesh among which the one that holds a point is looked for."""
+
+_AT_ONCE = 20_000
+"""Points looked for together: memory stays small."""
 
 _FORCE_FIRST = 1e3
 """Weight of an error of force against one of moment, where both cannot be kept."""
@@ -56,9 +62,10 @@ def carry_over(
         Directions of the load.
     """
     uneven = bool((values != values[:, :1]).any())
-    points = _sample_points(after, new)
+    corners = _corner_points(after, new)
+    points = np.einsum("sk,tkd->tsd", _shapes(_MIDDLES, _MIDDLES), corners)
     found = _field_at(before, old, values, points.reshape(-1, 3))
-    weights = _sample_weights(after, new)
+    weights = np.maximum(np.linalg.norm(_sample_vectors(corners, _MIDDLES), axis=2), 1e-300)
     means = (found.reshape(weights.shape) * weights).sum(axis=1) / weights.sum(axis=1)
     pressures = np.repeat(means[:, None], 4, axis=1)
     if uneven:
@@ -66,13 +73,6 @@ def carry_over(
         pressures = at_corners.reshape(-1, 4)
     kept = _is_kept(before, old, after)
     return pressures + _correction(before, old[~kept], values[~kept], after, new, pressures, acting)
-
-
-def mean_pressures(mesh: ShellMesh, rows: Ids, values: Floats) -> Floats:
-    """(K,) mean of the pressures (K, 4) at the corners of elements."""
-    counts = mesh.elements[rows] != NO_NODE
-    means: Floats = (values * counts).sum(axis=1) / counts.sum(axis=1)
-    return means
 
 
 def area_vectors(mesh: ShellMesh, rows: Ids) -> tuple[Floats, Floats]:
@@ -115,59 +115,63 @@ def _correction(
     """(T, 1) what to add so that force and moment stay; the least in the mean over the area."""
     if not len(gone):
         return np.zeros((len(new), 1))
-    vectors, centres = area_vectors(before, gone)
-    others, places = area_vectors(after, new)
-    middle = centres.mean(axis=0)
-    size = float(np.abs(centres - middle).max()) or 1.0
+    places = _corner_points(before, gone).reshape(-1, 3)
+    middle = places.mean(axis=0)
+    size = float(np.abs(places - middle).max()) or 1.0
 
-    def effect(vectors: Floats, centres: Floats) -> Floats:
-        along = acting(vectors, centres)
-        moments = np.cross((centres - middle) / size, along)
-        return np.concatenate([_FORCE_FIRST * along, moments], axis=1)
+    def effects(mesh: ShellMesh, rows: Ids, at_corners: Floats) -> Floats:
+        """(K, 6) force and moment of each element, integrated over it."""
+        corners = _corner_points(mesh, rows)
+        shape, vectors = _shapes(_GAUSS, _GAUSS), _sample_vectors(corners, _GAUSS)
+        points = np.einsum("sk,tkd->tsd", shape, corners)
+        along = acting(vectors.reshape(-1, 3), points.reshape(-1, 3)).reshape(vectors.shape)
+        along = along * (at_corners @ shape.T)[..., None] / len(shape)
+        moments = np.cross((points - middle) / size, along)
+        found: Floats = np.concatenate([_FORCE_FIRST * along, moments], axis=2).sum(axis=1)
+        return found
 
-    lacking = mean_pressures(before, gone, values) @ effect(vectors, centres)
-    per_unit = effect(others, places)
-    lacking -= mean_pressures(after, new, pressures) @ per_unit
-    share = per_unit / np.maximum(np.linalg.norm(others, axis=1), 1e-300)[:, None]
+    lacking = effects(before, gone, _as_quads(before, gone, values)).sum(axis=0)
+    lacking -= effects(after, new, _as_quads(after, new, pressures)).sum(axis=0)
+    per_unit = effects(after, new, np.ones((len(new), 4)))
+    areas = np.linalg.norm(area_vectors(after, new)[0], axis=1)
+    share = per_unit / np.maximum(areas, 1e-300)[:, None]
     answer = np.linalg.lstsq(per_unit.T @ share, lacking, rcond=1e-10)[0]
     correction: Floats = (share @ answer)[:, None]
     return correction
 
 
-def _sample_points(mesh: ShellMesh, rows: Ids) -> Floats:
-    """(T, s, 3) points in the elements, on a grid of their bilinear coordinates."""
-    u, v = _grid()
-    shape = np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v], axis=1)
+def _corner_points(mesh: ShellMesh, rows: Ids) -> Floats:
+    """(T, 4, 3) corners; a tria is a quad whose last two are one."""
     elements = mesh.elements[rows]
-    corners = mesh.points[np.where(elements == NO_NODE, elements[:, 2:3], elements)]
-    points: Floats = np.einsum("sk,tkd->tsd", shape, corners)
-    return points
+    corners: Floats = mesh.points[np.where(elements == NO_NODE, elements[:, 2:3], elements)]
+    return corners
 
 
-def _sample_weights(mesh: ShellMesh, rows: Ids) -> Floats:
-    """(T, s) area that each sample point stands for."""
-    u, v = _grid()
-    zero = np.zeros_like(u)
-    along = np.stack([v - 1, 1 - v, v, -v], axis=1)
-    across = np.stack([u - 1, -u, u, 1 - u], axis=1) + zero[:, None]
-    elements = mesh.elements[rows]
-    corners = mesh.points[np.where(elements == NO_NODE, elements[:, 2:3], elements)]
-    du = np.einsum("sk,tkd->tsd", along, corners)
-    dv = np.einsum("sk,tkd->tsd", across, corners)
-    weights: Floats = np.maximum(np.linalg.norm(np.cross(du, dv), axis=2), 1e-300)
-    return weights
+def _as_quads(mesh: ShellMesh, rows: Ids, values: Floats) -> Floats:
+    """(T, 4) values at the corners of ``_corner_points``."""
+    is_tria = mesh.is_tria[rows][:, None] & (np.arange(4) == 3)
+    quads: Floats = np.where(is_tria, values[:, 2:3], values)
+    return quads
 
 
-def _grid() -> tuple[Floats, Floats]:
-    middle = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    u, v = np.meshgrid(middle, middle, indexing="ij")
-    return u.ravel(), v.ravel()
+def _shapes(at: Floats, across: Floats) -> Floats:
+    """(s, 4) bilinear shape functions on a grid of their coordinates."""
+    u, v = (grid.ravel() for grid in np.meshgrid(at, across, indexing="ij"))
+    return np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v], axis=1)
+
+
+def _sample_vectors(corners: Floats, at: Floats) -> Floats:
+    """(T, s, 3) area vector at each point of a grid, as if it were the same all over."""
+    u, v = (grid.ravel() for grid in np.meshgrid(at, at, indexing="ij"))
+    du = np.einsum("sk,tkd->tsd", np.stack([v - 1, 1 - v, v, -v], axis=1), corners)
+    dv = np.einsum("sk,tkd->tsd", np.stack([u - 1, -u, u, 1 - u], axis=1), corners)
+    vectors: Floats = np.cross(du, dv)
+    return vectors
 
 
 def _inner_corners(mesh: ShellMesh, rows: Ids) -> Floats:
     """(T, 4, 3) corners, a little inside, so that each is in one old element."""
-    elements = mesh.elements[rows]
-    corners = mesh.points[np.where(elements == NO_NODE, elements[:, 2:3], elements)]
+    corners = _corner_points(mesh, rows)
     _, centres = area_vectors(mesh, rows)
     inner: Floats = corners + 1e-6 * (centres[:, None] - corners)
     return inner
@@ -181,20 +185,31 @@ def _field_at(mesh: ShellMesh, rows: Ids, values: Floats, points: Floats) -> Flo
     at_corners = np.concatenate([values[:, [0, 1, 2]], values[is_quad][:, [0, 2, 3]]])
     a, b, c = (mesh.points[corners[:, k]] for k in range(3))
     count = min(_NEAREST, len(corners))
-    near: Ids = KDTree((a + b + c) / 3).query(points, k=count)[1].reshape(len(points), count)
-    u, v = b - a, c - a
-    normal = np.cross(u, v)
-    square = np.maximum(np.einsum("ij,ij->i", normal, normal), 1e-300)
-    offset = points[:, None] - a[near]
-    second = np.einsum("pkd,pkd->pk", np.cross(offset, v[near]), normal[near]) / square[near]
-    third = np.einsum("pkd,pkd->pk", np.cross(u[near], offset), normal[near]) / square[near]
-    weights = np.stack([1 - second - third, second, third], axis=2)
-    height = np.einsum("pkd,pkd->pk", offset, normal[near]) / square[near] ** 0.75
-    # how far outside, and how far off its plane, in lengths of the triangle
-    miss = np.maximum(-weights.min(axis=2), 0.0) + np.abs(height)
-    best = np.argmin(miss, axis=1)
-    row = np.arange(len(points))
-    inside = np.clip(weights[row, best], 0.0, None)
-    inside /= inside.sum(axis=1, keepdims=True)
-    found: Floats = np.einsum("pk,pk->p", inside, at_corners[near[row, best]])
+    tree = KDTree((a + b + c) / 3)
+    found = np.empty(len(points))
+    for start in range(0, len(points), _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        near = tree.query(points[part], k=count)[1].reshape(-1, count)
+        weights, miss = _within(points[part], a[near], b[near], c[near])
+        best = np.argmin(miss, axis=1)
+        row = np.arange(len(best))
+        inside = np.clip(weights[row, best], 0.0, None)
+        inside /= inside.sum(axis=1, keepdims=True)
+        found[part] = np.einsum("pk,pk->p", inside, at_corners[near[row, best]])
     return found
+
+
+def _within(points: Floats, a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
+    """Barycentric coordinates (P, k, 3) of points (P, 3) in triangles of corners (P, k, 3).
+
+    And how far a point is outside of each or off its plane, in lengths of the triangle, (P, k).
+    """
+    u, v, offset = b - a, c - a, points[:, None] - a
+    normal = np.cross(u, v)
+    square = np.maximum(np.einsum("pkd,pkd->pk", normal, normal), 1e-300)
+    second = np.einsum("pkd,pkd->pk", np.cross(offset, v), normal) / square
+    third = np.einsum("pkd,pkd->pk", np.cross(u, offset), normal) / square
+    weights = np.stack([1 - second - third, second, third], axis=2)
+    height = np.einsum("pkd,pkd->pk", offset, normal) / square**0.75
+    miss: Floats = np.maximum(-weights.min(axis=2), 0.0) + np.abs(height)
+    return weights, miss
