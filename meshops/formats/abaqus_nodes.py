@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,12 @@ from meshops.formats.abaqus_scopes import Scope
 from meshops.formats.abaqus_sets import NamedSet, NamedSets
 from meshops.formats.abaqus_uses import Policy, Row, Uses, cards_of
 from meshops.formats.ids import is_id
-from meshops.formats.node_attributes import Membership, Memberships
+from meshops.formats.node_attributes import (
+    Membership,
+    Memberships,
+    memberships_of_new_nodes,
+    take_over_ids,
+)
 from meshops.formats.splice import Splice
 from meshops.mesh import NEW, NO_NODE, Bools, Ids, ShellMesh
 
@@ -243,6 +248,35 @@ def new_nodes(
         for fact in lacking:
             facts[fact].append(node)
     return NewNodes(joining, facts)
+
+
+def with_old_ids(
+    before: ShellMesh,
+    after: ShellMesh,
+    attributes: NodeAttributes,
+    shared: Sequence[Memberships],
+) -> ShellMesh:
+    """Give new nodes the ids of vanished ones that were in the same sets: these need not change."""
+    places = {name: Membership(Place(name)) for name in attributes.followed}
+    own = [set(mine) for mine in attributes.memberships]
+    of_region = [set(mine) for mine in shared]
+    corners = np.where(before.elements == NO_NODE, before.elements[:, :1], before.elements)
+    for name, mask in attributes.followed.items():
+        for row in np.flatnonzero(mask).tolist():
+            own[row].add(places[name])
+        has_others = np.zeros(len(shared), bool)
+        has_others[before.region[~mask[corners].all(axis=1)]] = True
+        for region in np.flatnonzero(~has_others).tolist():
+            of_region[region].add(places[name])
+    every = [frozenset(mine) for mine in of_region]
+    found = take_over_ids(before, after, [frozenset(mine) for mine in own], every, bool)
+    followed = followed_by_new_nodes(after, before, attributes.followed)
+    node_ids = found.node_ids.copy()
+    for row, mine in memberships_of_new_nodes(after, every).items():
+        if {places[name] for name in followed.get(row, ())} - mine:
+            node_ids[row] = NEW
+    node_ids.setflags(write=False)
+    return replace(found, node_ids=node_ids)
 
 
 def followed_by_new_nodes(

@@ -26,6 +26,7 @@ from meshops.formats.abaqus_nodes import (
     followed_by_new_nodes,
     new_nodes,
     node_attributes,
+    with_old_ids,
     write_facts,
 )
 from meshops.formats.abaqus_regions import (
@@ -100,7 +101,7 @@ class Part:
         """
         change = compare(
             self.mesh,
-            mesh,
+            with_old_ids(self.mesh, mesh, self._attributes, self.shared),
             taken_nodes=self._taken_nodes,
             taken_elements=self._taken_elements,
             limit=LARGEST_ID,
