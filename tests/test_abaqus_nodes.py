@@ -5,6 +5,7 @@ import pytest
 
 from meshops.edit import Edit, apply
 from meshops.formats import read_deck
+from meshops.mesh import NO_NODE
 from tests.abaqus_reader import fanned, read_model, written
 
 # nodes 11 to 16 in the lowest of three rows, elements 1 to 5 below and 6 to 10 above
@@ -191,6 +192,25 @@ def test_what_nothing_uses_follows_the_mesh(deck):
     model = read_model(written(source, fanned(gone, 2, 4)))
     assert model.nsets["A"] == set(LEFT) - {11} | {37}
     assert model.nsets["B"] == {22}
+
+
+def test_a_line_that_nothing_uses_stays_a_line(deck):
+    source = deck(PLAIN + "*NSET, NSET=A\n11, 12, 13, 14, 15, 16\n")
+    mesh = fanned(source.mesh, 1, 2)
+    # of the triangle at the border nothing is left but a new node and the border
+    trias = np.flatnonzero((mesh.elements == 0).any(axis=1) & (mesh.elements == 1).any(axis=1))
+    a, b, new = mesh.elements[trias[-1], :3]
+    split = Edit(
+        removed=trias[-1:],
+        added_points=mesh.points[[a, b, new]].mean(axis=0)[None],
+        added_elements=np.array(
+            [(p, q, len(mesh.points), NO_NODE) for p, q in ((a, b), (b, new), (new, a))]
+        ),
+        added_region=np.zeros(3, np.int32),
+    )
+    text = written(source, apply(mesh, split))
+    assert len(read_model(text).nodes) == 21
+    assert read_model(text).nsets["A"] == {11, 12, 13, 14, 15, 16}
 
 
 def test_ranges_are_cut_and_not_grown_over_others(deck):

@@ -25,6 +25,7 @@ from meshops.formats.node_attributes import (
     memberships_of_new_nodes,
     take_over_ids,
 )
+from meshops.formats.places import find_places
 from meshops.formats.splice import Splice
 from meshops.mesh import NEW, NO_NODE, Bools, Ids, ShellMesh
 
@@ -282,38 +283,24 @@ def with_old_ids(
 def followed_by_new_nodes(
     mesh: ShellMesh, before: ShellMesh, followed: Mapping[str, Bools]
 ) -> dict[int, frozenset[str]]:
-    """Find for each new node of an edited mesh the sets that all nodes around it are in, by row.
+    """Find for each new node of an edited mesh the sets that all nodes around it were in, by row.
 
-    Nodes that have only new ones around them come after those, layer by layer.
+    Those are the nodes of the element of the mesh before that holds the place of the new one.
     """
-    names_of_old: dict[int, set[str]] = defaultdict(set)
-    for name, mask in followed.items():
-        for node in before.node_ids[mask].tolist():
-            names_of_old[node].add(name)
-    is_new = np.append(mesh.node_ids == NEW, False)
-    around: dict[int, set[int]] = defaultdict(set)
-    for corners in mesh.elements[is_new[mesh.elements].any(axis=1)].tolist():
-        nodes = [node for node in corners if node != NO_NODE]
-        for node in nodes:
-            around[node].update(nodes)
-    known = {
-        row: frozenset(names_of_old.get(int(mesh.node_ids[row]), ()))
-        for row in around
-        if not is_new[row]
-    }
+    if not followed:
+        return {}
+    corners = np.where(before.elements == NO_NODE, before.elements[:, :1], before.elements)
+    inside = {name: mask[corners].all(axis=1).tolist() for name, mask in followed.items()}
     found: dict[int, frozenset[str]] = {}
-    waiting = around.keys() - known.keys()
-    while waiting:
-        layer = {}
-        for node in waiting:
-            beside = [known[other] for other in around[node] if other in known]
-            if beside:
-                layer[node] = frozenset.intersection(*beside)
-        if not layer:
-            break
-        known |= layer
-        found |= layer
-        waiting = waiting - layer.keys()
+    for region in np.unique(mesh.region).tolist():
+        nodes = np.unique(mesh.elements[mesh.region == region])
+        new = nodes[(nodes != NO_NODE) & (mesh.node_ids[nodes] == NEW)]
+        if not len(new):
+            continue
+        rows = np.flatnonzero(before.region == region)
+        place = rows[find_places(before, rows, mesh.points[new])[0]]
+        for node, row in zip(new.tolist(), place.tolist(), strict=True):
+            found[node] = frozenset(name for name, mask in inside.items() if mask[row])
     return found
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from meshops.formats.difference import Difference
+from meshops.formats.places import find_places
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, ShellMesh
 
 _MIDDLES = (np.arange(6) + 0.5) / 6
@@ -19,12 +19,6 @@ _MIDDLES = (np.arange(6) + 0.5) / 6
 
 _GAUSS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 """Where force and moment are: exact for pressures that are bilinear."""
-
-_NEAREST = 16
-"""Triangles of the old mesh among which the one that holds a point is looked for."""
-
-_AT_ONCE = 20_000
-"""Points looked for together: memory stays small."""
 
 _FORCE_FIRST = 1e3
 """Weight of an error of force against one of moment, where both cannot be kept."""
@@ -179,37 +173,6 @@ def _inner_corners(mesh: ShellMesh, rows: Ids) -> Floats:
 
 def _field_at(mesh: ShellMesh, rows: Ids, values: Floats, points: Floats) -> Floats:
     """(P,) value of the field at points: in the triangle that holds them, or comes nearest."""
-    elements = mesh.elements[rows]
-    is_quad = elements[:, 3] != NO_NODE
-    corners = np.concatenate([elements[:, [0, 1, 2]], elements[is_quad][:, [0, 2, 3]]])
-    at_corners = np.concatenate([values[:, [0, 1, 2]], values[is_quad][:, [0, 2, 3]]])
-    a, b, c = (mesh.points[corners[:, k]] for k in range(3))
-    count = min(_NEAREST, len(corners))
-    tree = KDTree((a + b + c) / 3)
-    found = np.empty(len(points))
-    for start in range(0, len(points), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        near = tree.query(points[part], k=count)[1].reshape(-1, count)
-        weights, miss = _within(points[part], a[near], b[near], c[near])
-        best = np.argmin(miss, axis=1)
-        row = np.arange(len(best))
-        inside = np.clip(weights[row, best], 0.0, None)
-        inside /= inside.sum(axis=1, keepdims=True)
-        found[part] = np.einsum("pk,pk->p", inside, at_corners[near[row, best]])
+    place, corners, weights = find_places(mesh, rows, points)
+    found: Floats = np.einsum("pk,pk->p", weights, values[place[:, None], corners])
     return found
-
-
-def _within(points: Floats, a: Floats, b: Floats, c: Floats) -> tuple[Floats, Floats]:
-    """Barycentric coordinates (P, k, 3) of points (P, 3) in triangles of corners (P, k, 3).
-
-    And how far a point is outside of each or off its plane, in lengths of the triangle, (P, k).
-    """
-    u, v, offset = b - a, c - a, points[:, None] - a
-    normal = np.cross(u, v)
-    square = np.maximum(np.einsum("pkd,pkd->pk", normal, normal), 1e-300)
-    second = np.einsum("pkd,pkd->pk", np.cross(offset, v), normal) / square
-    third = np.einsum("pkd,pkd->pk", np.cross(u, offset), normal) / square
-    weights = np.stack([1 - second - third, second, third], axis=2)
-    height = np.einsum("pkd,pkd->pk", offset, normal) / square**0.75
-    miss: Floats = np.maximum(-weights.min(axis=2), 0.0) + np.abs(height)
-    return weights, miss
