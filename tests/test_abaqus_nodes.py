@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from meshops.edit import Edit, apply
 from meshops.formats import read_deck
 from meshops.mesh import NO_NODE
-from tests.abaqus_reader import fanned, read_model, written
+from tests.abaqus_reader import fanned, free_quads, read_model, written
 
 # nodes 11 to 16 in the lowest of three rows, elements 1 to 5 below and 6 to 10 above
 NODES = {10 * j + i: f"{10 * j + i}, {i}., {j}., 0.\n" for j in (1, 2, 3) for i in range(1, 7)}
@@ -233,3 +235,53 @@ def test_a_set_named_locked_is(deck):
     mesh = deck(PLAIN + "*NSET, NSET=Locked\n22\n*ELSET, ELSET=LOCKED\n4\n").mesh
     assert locked(mesh) == [22]
     assert mesh.element_ids[mesh.locked_elements].tolist() == [4]
+
+
+RANDOM_SETS = st.lists(st.sets(st.sampled_from(ALL), min_size=1), min_size=4, max_size=4)
+SUBJECTS = st.sampled_from(["A", "B", "C", "D", "22", "25"])
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    RANDOM_SETS,
+    st.lists(st.tuples(SUBJECTS, st.sampled_from(["20.", "20.0", "30."])), max_size=4),
+    st.lists(SUBJECTS, max_size=2),
+    st.booleans(),
+)
+def test_whoever_is_born_has_what_all_around_have_and_no_load(
+    tmp_path, sets, warm, loaded, generated
+):
+    names = dict(zip("ABCD", sets, strict=True))
+    text = PLAIN + "".join(
+        f"*NSET, NSET={name}, GENERATE\n" + "".join(f"{i}, {i}\n" for i in sorted(members))
+        if generated
+        else f"*NSET, NSET={name}\n{listed(sorted(members))}"
+        for name, members in names.items()
+    )
+    text += "*TEMPERATURE\n" + "".join(f"{subject}, {value}\n" for subject, value in warm)
+    text += "*CLOAD\n" + "".join(f"{subject}, 3, 1.\n" for subject in loaded)
+    (tmp_path / "deck.inp").write_text(text)
+    source = read_deck(tmp_path / "deck.inp")
+    free = free_quads(source.mesh)
+
+    def temperatures(model):
+        """Of each node, the last that a line gives it."""
+        return {
+            node: float(value)
+            for subject, value in model.rows["TEMPERATURE"]
+            for node in ([int(subject)] if subject.isdigit() else model.nsets[subject])
+        }
+
+    before = read_model(text)
+    after = read_model(written(source, fanned(source.mesh, *free)))
+    old, new = temperatures(before), temperatures(after)
+    assert {node: new.get(node) for node in before.nodes} == {
+        node: old.get(node) for node in before.nodes
+    }
+    born = sorted(after.nodes.keys() - before.nodes.keys())
+    assert len(born) == len(free)
+    for node, element in zip(born, free, strict=True):
+        around = {old.get(corner) for corner in before.elements[element][1]}
+        assert new.get(node) == (around.pop() if len(around) == 1 else None)
+    for subject in loaded:
+        assert after.nsets[subject] == before.nsets[subject]

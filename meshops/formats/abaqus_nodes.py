@@ -290,7 +290,7 @@ def followed_by_new_nodes(
     if not followed:
         return {}
     corners = np.where(before.elements == NO_NODE, before.elements[:, :1], before.elements)
-    inside = {name: mask[corners].all(axis=1).tolist() for name, mask in followed.items()}
+    inside = {name: np.all(mask[corners], axis=1) for name, mask in followed.items()}
     found: dict[int, frozenset[str]] = {}
     for region in np.unique(mesh.region).tolist():
         nodes = np.unique(mesh.elements[mesh.region == region])
