@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from meshops.edit import Edit, apply
 from meshops.formats import read_deck
-from tests.abaqus_reader import fanned, read_model, written
+from meshops.mesh import NO_NODE
+from tests.abaqus_reader import fanned, free_quads, read_model, written
 
 # nodes 11 to 16 in the lowest of three rows, elements 1 to 5 below and 6 to 10 above
 NODES = {10 * j + i: f"{10 * j + i}, {i}., {j}., 0.\n" for j in (1, 2, 3) for i in range(1, 7)}
@@ -129,12 +132,15 @@ def test_facts_by_number_are_written_for_new_nodes_and_go_with_vanished_ones(dec
     keyword, row = rows.splitlines(keepends=True)
     source = deck(PLAIN + keyword + "".join(row.format(node) for node in ALL) + "*STEP\n")
     assert not source.mesh.locked_nodes.any()
-    mesh = apply(source.mesh, Edit(removed=np.array([0])))
-    text = written(source, fanned(mesh, 3))
-    body = text[text.index(keyword) :].removesuffix("*STEP\n").splitlines()[1:]
-    assert body[-1].split() == new_row.split()
-    assert len(body) == len(ALL)
-    assert not any(line.split(",")[0].strip() == "11" for line in body)
+    gone = apply(source.mesh, Edit(removed=np.array([0])))
+    lines = (keyword + row.format(11), new_row + "\n*STEP")
+    texts = [written(source, mesh).replace(" ", "") for mesh in (gone, fanned(source.mesh, 3))]
+    found = [[line.replace(" ", "") in text for line in lines] for text in texts]
+    assert found == [[False, False], [True, True]]
+    # the first of two new nodes takes the place of the one that goes
+    model = read_model(written(source, fanned(gone, 3, 4)))
+    subjects = [values[0] for name, rows in model.rows.items() if name != "STEP" for values in rows]
+    assert sorted(subjects) == sorted(map(str, [*ALL, 37]))
 
 
 def test_nobody_is_born_between_nodes_of_different_temperatures(deck):
@@ -190,6 +196,25 @@ def test_what_nothing_uses_follows_the_mesh(deck):
     assert model.nsets["B"] == {22}
 
 
+def test_a_line_that_nothing_uses_stays_a_line(deck):
+    source = deck(PLAIN + "*NSET, NSET=A\n11, 12, 13, 14, 15, 16\n")
+    mesh = fanned(source.mesh, 1, 2)
+    # of the triangle at the border nothing is left but a new node and the border
+    trias = np.flatnonzero((mesh.elements == 0).any(axis=1) & (mesh.elements == 1).any(axis=1))
+    a, b, new = mesh.elements[trias[-1], :3]
+    split = Edit(
+        removed=trias[-1:],
+        added_points=mesh.points[[a, b, new]].mean(axis=0)[None],
+        added_elements=np.array(
+            [(p, q, len(mesh.points), NO_NODE) for p, q in ((a, b), (b, new), (new, a))]
+        ),
+        added_region=np.zeros(3, np.int32),
+    )
+    text = written(source, apply(mesh, split))
+    assert len(read_model(text).nodes) == 21
+    assert read_model(text).nsets["A"] == {11, 12, 13, 14, 15, 16}
+
+
 def test_ranges_are_cut_and_not_grown_over_others(deck):
     ranges = "*NSET, NSET=A, GENERATE\n11, 15, 2\n12, 16, 2\n21, 26\n"
     source = deck(PLAIN + ranges + "*NSET, NSET=B, GENERATE\n30, 900\n")
@@ -210,3 +235,53 @@ def test_a_set_named_locked_is(deck):
     mesh = deck(PLAIN + "*NSET, NSET=Locked\n22\n*ELSET, ELSET=LOCKED\n4\n").mesh
     assert locked(mesh) == [22]
     assert mesh.element_ids[mesh.locked_elements].tolist() == [4]
+
+
+RANDOM_SETS = st.lists(st.sets(st.sampled_from(ALL), min_size=1), min_size=4, max_size=4)
+SUBJECTS = st.sampled_from(["A", "B", "C", "D", "22", "25"])
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    RANDOM_SETS,
+    st.lists(st.tuples(SUBJECTS, st.sampled_from(["20.", "20.0", "30."])), max_size=4),
+    st.lists(SUBJECTS, max_size=2),
+    st.booleans(),
+)
+def test_whoever_is_born_has_what_all_around_have_and_no_load(
+    tmp_path, sets, warm, loaded, generated
+):
+    names = dict(zip("ABCD", sets, strict=True))
+    text = PLAIN + "".join(
+        f"*NSET, NSET={name}, GENERATE\n" + "".join(f"{i}, {i}\n" for i in sorted(members))
+        if generated
+        else f"*NSET, NSET={name}\n{listed(sorted(members))}"
+        for name, members in names.items()
+    )
+    text += "*TEMPERATURE\n" + "".join(f"{subject}, {value}\n" for subject, value in warm)
+    text += "*CLOAD\n" + "".join(f"{subject}, 3, 1.\n" for subject in loaded)
+    (tmp_path / "deck.inp").write_text(text)
+    source = read_deck(tmp_path / "deck.inp")
+    free = free_quads(source.mesh)
+
+    def temperatures(model):
+        """Of each node, the last that a line gives it."""
+        return {
+            node: float(value)
+            for subject, value in model.rows["TEMPERATURE"]
+            for node in ([int(subject)] if subject.isdigit() else model.nsets[subject])
+        }
+
+    before = read_model(text)
+    after = read_model(written(source, fanned(source.mesh, *free)))
+    old, new = temperatures(before), temperatures(after)
+    assert {node: new.get(node) for node in before.nodes} == {
+        node: old.get(node) for node in before.nodes
+    }
+    born = sorted(after.nodes.keys() - before.nodes.keys())
+    assert len(born) == len(free)
+    for node, element in zip(born, free, strict=True):
+        around = {old.get(corner) for corner in before.elements[element][1]}
+        assert new.get(node) == (around.pop() if len(around) == 1 else None)
+    for subject in loaded:
+        assert after.nsets[subject] == before.nsets[subject]

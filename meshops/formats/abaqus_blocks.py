@@ -84,7 +84,7 @@ def fields(line: str) -> list[str]:
     if '"' not in line:
         return [field.strip() for field in line.split(",")]
     found, current = [], ""
-    for i, piece in enumerate(line.split('"')):
+    for i, piece in enumerate(line.strip().split('"')):
         if i % 2:
             current += f'"{piece}"'
             continue

@@ -84,7 +84,8 @@ def point_array(nodes: Items, sources: Sources) -> Floats:
                 "is not a number; correct it."
             ) from None
         points[row, : len(local)] = local
-        points[row] = frame_of(block).to_basic(points[row][None])[0]
+        with np.errstate(invalid="ignore"):  # what is not finite is told by checked_mesh
+            points[row] = frame_of(block).to_basic(points[row][None])[0]
     return points
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,13 @@ from meshops.formats.abaqus_scopes import Scope
 from meshops.formats.abaqus_sets import NamedSet, NamedSets
 from meshops.formats.abaqus_uses import Policy, Row, Uses, cards_of
 from meshops.formats.ids import is_id
-from meshops.formats.node_attributes import Membership, Memberships
+from meshops.formats.node_attributes import (
+    Membership,
+    Memberships,
+    memberships_of_new_nodes,
+    take_over_ids,
+)
+from meshops.formats.places import find_places
 from meshops.formats.splice import Splice
 from meshops.mesh import NEW, NO_NODE, Bools, Ids, ShellMesh
 
@@ -245,41 +251,56 @@ def new_nodes(
     return NewNodes(joining, facts)
 
 
+def with_old_ids(
+    before: ShellMesh,
+    after: ShellMesh,
+    attributes: NodeAttributes,
+    shared: Sequence[Memberships],
+) -> ShellMesh:
+    """Give new nodes the ids of vanished ones that were in the same sets: these need not change."""
+    places = {name: Membership(Place(name)) for name in attributes.followed}
+    own = [set(mine) for mine in attributes.memberships]
+    of_region = [set(mine) for mine in shared]
+    corners = np.where(before.elements == NO_NODE, before.elements[:, :1], before.elements)
+    for name, mask in attributes.followed.items():
+        for row in np.flatnonzero(mask).tolist():
+            own[row].add(places[name])
+        has_others = np.zeros(len(shared), bool)
+        has_others[before.region[~mask[corners].all(axis=1)]] = True
+        for region in np.flatnonzero(~has_others).tolist():
+            of_region[region].add(places[name])
+    every = [frozenset(mine) for mine in of_region]
+    found = take_over_ids(before, after, [frozenset(mine) for mine in own], every, bool)
+    followed = followed_by_new_nodes(after, before, attributes.followed)
+    node_ids = found.node_ids.copy()
+    for row, mine in memberships_of_new_nodes(after, every).items():
+        if {places[name] for name in followed.get(row, ())} - mine:
+            node_ids[row] = NEW
+    node_ids.setflags(write=False)
+    return replace(found, node_ids=node_ids)
+
+
 def followed_by_new_nodes(
     mesh: ShellMesh, before: ShellMesh, followed: Mapping[str, Bools]
 ) -> dict[int, frozenset[str]]:
-    """Find for each new node of an edited mesh the sets that all nodes around it are in, by row.
+    """Find for each new node of an edited mesh the sets that all nodes around it were in, by row.
 
-    Nodes that have only new ones around them come after those, layer by layer.
+    Those are the nodes of the element of the mesh before that holds the place of the new one.
     """
-    names_of_old: dict[int, set[str]] = defaultdict(set)
-    for name, mask in followed.items():
-        for node in before.node_ids[mask].tolist():
-            names_of_old[node].add(name)
-    is_new = np.append(mesh.node_ids == NEW, False)
-    around: dict[int, set[int]] = defaultdict(set)
-    for corners in mesh.elements[is_new[mesh.elements].any(axis=1)].tolist():
-        nodes = [node for node in corners if node != NO_NODE]
-        for node in nodes:
-            around[node].update(nodes)
-    known = {
-        row: frozenset(names_of_old.get(int(mesh.node_ids[row]), ()))
-        for row in around
-        if not is_new[row]
-    }
+    if not followed:
+        return {}
+    corners = np.where(before.elements == NO_NODE, before.elements[:, :1], before.elements)
+    inside = {name: np.all(mask[corners], axis=1) for name, mask in followed.items()}
     found: dict[int, frozenset[str]] = {}
-    waiting = around.keys() - known.keys()
-    while waiting:
-        layer = {}
-        for node in waiting:
-            beside = [known[other] for other in around[node] if other in known]
-            if beside:
-                layer[node] = frozenset.intersection(*beside)
-        if not layer:
-            break
-        known |= layer
-        found |= layer
-        waiting = waiting - layer.keys()
+    for region in np.unique(mesh.region).tolist():
+        nodes = np.unique(mesh.elements[mesh.region == region])
+        new = nodes[(nodes != NO_NODE) & (mesh.node_ids[nodes] == NEW)]
+        if not len(new):
+            continue
+        rows = np.flatnonzero(before.region == region)
+        place = rows[find_places(before, rows, mesh.points[new])[0]]
+        for node, row in zip(new.tolist(), place.tolist(), strict=True):
+            found[node] = frozenset(name for name, mask in inside.items() if mask[row])
     return found
 
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.errors import InputError
 from meshops.formats.abaqus_blocks import Block, records
 from meshops.formats.abaqus_items import (
     Items,
@@ -27,6 +26,7 @@ from meshops.formats.abaqus_nodes import (
     followed_by_new_nodes,
     new_nodes,
     node_attributes,
+    with_old_ids,
     write_facts,
 )
 from meshops.formats.abaqus_regions import (
@@ -43,7 +43,7 @@ from meshops.formats.abaqus_uses import Fact, read_uses
 from meshops.formats.abaqus_writing import write_elements, write_first_lists, write_nodes
 from meshops.formats.checks import checked_mesh, note_on, on_same_nodes, without_repeated_nodes
 from meshops.formats.difference import Difference, compare
-from meshops.formats.ids import IdSet, free_ids
+from meshops.formats.ids import IdSet, check_room
 from meshops.formats.locks import Lock
 from meshops.formats.node_attributes import (
     Memberships,
@@ -118,7 +118,7 @@ class Part:
         """Compare the part's mesh with one that descends from it; see ``compare``."""
         return compare(
             self.mesh,
-            mesh,
+            with_old_ids(self.mesh, mesh, self._attributes, self.shared),
             taken_nodes=self._taken_nodes,
             taken_elements=self._taken_elements,
             limit=LARGEST_ID,
@@ -137,16 +137,9 @@ class Part:
         return {item.name: masks[item.identity] for item in self._elsets}
 
     def check_room(self) -> None:
-        """Raise InputError where there are not as many free ids as the mesh has nodes, elements."""
-        taken = (self._taken_nodes, self._taken_elements)
-        every = (self.mesh.node_ids, self.mesh.element_ids)
-        for what, ids, mine in zip(("nodes", "elements"), every, taken, strict=True):
-            free = free_ids(ids, mine, LARGEST_ID)
-            if free < len(ids):
-                raise InputError(
-                    f"The deck leaves {free:,} ids of {what} free up to {LARGEST_ID}, too few to "
-                    f"repair {len(ids):,} {what}: renumber it first."
-                )
+        """Raise InputError where there are fewer free ids than the mesh has nodes or elements."""
+        check_room(self.mesh.node_ids, self._taken_nodes, LARGEST_ID, "nodes")
+        check_room(self.mesh.element_ids, self._taken_elements, LARGEST_ID, "elements")
 
     def _write_memberships_of_elements(self, splice: Splice, change: Difference) -> None:
         lists: dict[str, list[int]] = defaultdict(list)
@@ -160,7 +153,13 @@ class Part:
                 facts[fact].append(element)
         gone = frozenset(change.gone_elements.tolist())
         self._elsets.write(splice, gone=gone, joining=lists)
-        write_element_facts(splice, self._sources.stream, self._facts, gone=gone, joining=facts)
+        lines = self._sources.stream
+        write_element_facts(splice, lines, self._facts, gone=gone, joining=facts)
+        graded = {
+            number: [layer for layer, _ in region.graded]
+            for number, region in enumerate(self.regions)
+        }
+        self._facts.pressures.splice(splice, lines, self.mesh, change, graded)
 
 
 def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
@@ -214,8 +213,12 @@ def read_part(scope: Scope, every: Sequence[Block], sources: Sources) -> Part:
         shared=common.shared,
         locks=locks.told(plain),
         notes=[
-            *note_on(element_ids, same, "on the same nodes as another, which stay as they are"),
-            *note_on(element_ids, is_repeated, "that name a node twice stay as the trias they are"),
+            *note_on(element_ids, same, "On the same nodes as another shell, and left as they are"),
+            *note_on(
+                element_ids,
+                is_repeated,
+                "A quad that names a node twice is a tria, and left as it is",
+            ),
         ],
         _sources=sources,
         _nodes=nodes,

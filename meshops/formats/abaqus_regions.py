@@ -16,11 +16,13 @@ from typing import NamedTuple
 import numpy as np
 
 from meshops.formats.abaqus_items import Items, element_type
+from meshops.formats.abaqus_pressures import PressureFields, is_pressure, sort_pressures
 from meshops.formats.abaqus_scopes import Scope
 from meshops.formats.abaqus_sets import NamedSets
 from meshops.formats.abaqus_types import CORNERS, has_sides, pair
 from meshops.formats.abaqus_uses import Fact, Row
 from meshops.formats.ids import is_id
+from meshops.formats.pressure_fields import Layer
 from meshops.formats.splice import Splice
 from meshops.mesh import Bools, Ids, Ints
 
@@ -41,6 +43,8 @@ class Region(NamedTuple):
         Identities of the sets that list the elements.
     facts : frozenset of Fact
         What lines say of them by number.
+    graded : tuple of (Layer, int)
+        The fields of pressure that they are samples of, and in which of their areas they are.
     """
 
     quad: str
@@ -48,6 +52,7 @@ class Region(NamedTuple):
     elset: str
     lists: frozenset[str]
     facts: frozenset[Fact]
+    graded: tuple[tuple[Layer, int], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +65,7 @@ class ElementFacts:
         By id.
     rows : list of Row
         The lines that give these facts.
+    pressures : PressureFields
     elements : dict of str to (M,) bool
         Elements named for good, by what names them.
     nodes : dict of str to set of int
@@ -68,6 +74,7 @@ class ElementFacts:
 
     of_element: dict[int, frozenset[Fact]]
     rows: list[Row]
+    pressures: PressureFields
     elements: dict[str, Bools]
     nodes: dict[str, set[int]]
 
@@ -88,8 +95,9 @@ def element_facts(
     """
     kinds = [element_type(block) for block in shells.blocks]
     row_of_element = {element: row for row, element in enumerate(element_ids.tolist())}
-    facts: dict[int, set[Fact]] = defaultdict(set)
     followed: list[Row] = []
+    pressures: list[Row] = []
+    said: set[tuple[object, int]] = set()
     elements: dict[str, Bools] = {}
     nodes: dict[str, set[int]] = defaultdict(set)
     for row in rows:
@@ -107,11 +115,18 @@ def element_facts(
             mask[edged] = True
             for place in edged:
                 nodes[title].update(_edge(label, kinds[place], corners[place].tolist()))
+        elif places and by_number and (row.fact.kind, places[0]) in said:
+            # a second line on the same load: which of the two holds is for the solver to know
+            elements.setdefault(f"*{row.block.keyword}", np.zeros(len(kinds), bool))[places] = True
         elif places and by_number:
-            facts[int(row.subject)].add(row.fact)
-            followed.append(row)
+            said.add((row.fact.kind, places[0]))
+            (pressures if is_pressure(row, kinds[places[0]]) else followed).append(row)
+    even, fields = sort_pressures(pressures, element_ids, corners)
+    facts: dict[int, set[Fact]] = defaultdict(set)
+    for row in (*followed, *even):
+        facts[int(row.subject)].add(row.fact)
     of_element = {element: frozenset(mine) for element, mine in facts.items()}
-    return ElementFacts(of_element, followed, elements, nodes)
+    return ElementFacts(of_element, [*followed, *even], fields, elements, nodes)
 
 
 def find_regions(
@@ -128,6 +143,7 @@ def find_regions(
             block.parameters.get("ELSET", ""),
             frozenset(names),
             facts.of_element.get(element, nothing),
+            facts.pressures.graded.get(element, ()),
         )
         for block, names, element in zip(shells.blocks, listed, element_ids.tolist(), strict=True)
     ]
@@ -138,9 +154,9 @@ def find_regions(
         beside[key][kind] += 1
     numbers: dict[Region, int] = {}
     number_of: dict[object, int] = {}
-    for kind, (elset, names, said) in dict.fromkeys(zip(kinds, keys, strict=True)):
-        key = (elset, names, said)
-        mine = Region(*pair(kind, beside[key], in_deck), elset, names, said)
+    for kind, key in dict.fromkeys(zip(kinds, keys, strict=True)):
+        elset, names, said, graded = key
+        mine = Region(*pair(kind, beside[key], in_deck), elset, names, said, graded)
         number_of[kind, key] = numbers.setdefault(mine, len(numbers))
     region = np.array([number_of[item] for item in zip(kinds, keys, strict=True)], np.int32)
     return list(numbers), region

@@ -182,7 +182,7 @@ class NamedSets:
         )
         if rows:
             splice.insert_after(block.last, rows)
-        elif empty:
+        elif empty and not any(block.parameters[self.kind] in item.children for item in self):
             splice.drop(block.header)
 
     def _kept_range(self, line: str, gone: Ids) -> list[str] | None:

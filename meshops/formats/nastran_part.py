@@ -18,18 +18,18 @@ from meshops.formats.nastran_case import CaseControl
 from meshops.formats.nastran_contents import Contents
 from meshops.formats.nastran_directions import MaterialDirections, part_by_direction
 from meshops.formats.nastran_fields import carried_pressures
-from meshops.formats.nastran_loads import Layer
+from meshops.formats.nastran_loads import Layer, Pressure
 from meshops.formats.nastran_locks import (
     locks_of_elements,
     locks_of_memberships,
     locks_of_references,
 )
 from meshops.formats.nastran_output import Update
-from meshops.formats.nastran_pressures import Field, sort_loads
 from meshops.formats.nastran_regions import find_regions
 from meshops.formats.nastran_shells import CORNERS, Attributes
 from meshops.formats.nastran_systems import integer_at
 from meshops.formats.node_attributes import Memberships, share_memberships, take_over_ids
+from meshops.formats.pressure_fields import Field, sort_loads
 from meshops.formats.sources import Sources
 from meshops.mesh import Ids, ShellMesh
 
@@ -66,7 +66,7 @@ class Part:
     memberships: list[Memberships]
     shared: list[Memberships]
     systems: list[int]
-    fields: dict[Layer, Field]
+    fields: dict[Layer, Field[Pressure]]
     directions: MaterialDirections
     locks: tuple[Lock, ...]
     notes: tuple[str, ...]

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.formats.nastran_cards import Card
-from meshops.formats.nastran_pressures import ShellLoads
+from meshops.formats.nastran_loads import Pressure
 from meshops.formats.nastran_shells import CORNERS, Attributes, attributes
+from meshops.formats.pressure_fields import ShellLoads
 from meshops.mesh import Bools, Floats, Ids, Ints
 
 _LAMINATES = ("PCOMP", "PCOMPG", "PCOMPS")
@@ -41,7 +42,7 @@ class Regions:
 def find_regions(
     shells: Sequence[Card],
     element_ids: Ids,
-    loads: ShellLoads,
+    loads: ShellLoads[Pressure],
     sets: Sequence[frozenset[int]],
     oriented: frozenset[str],
 ) -> Regions:
@@ -87,7 +88,10 @@ def oriented_properties(by_name: dict[str, list[Card]]) -> frozenset[str]:
 
 
 def _kinds(
-    shells: Sequence[Card], element_ids: Ids, loads: ShellLoads, sets: Sequence[frozenset[int]]
+    shells: Sequence[Card],
+    element_ids: Ids,
+    loads: ShellLoads[Pressure],
+    sets: Sequence[frozenset[int]],
 ) -> tuple[list[Attributes], Ids]:
     """Different attributes in the order of their first shells, and which a shell has, (M,)."""
     number_of_text: dict[tuple[object, ...], int] = {}

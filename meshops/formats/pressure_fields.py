@@ -8,15 +8,15 @@ same, and what is meshed anew there gets the field as it was.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from meshops.formats.fortran import real
-from meshops.formats.nastran_loads import Layer, Pressure, PressureCard
 from meshops.mesh import Bools, Ids, Ints
 
 _AROUND = 3
@@ -29,41 +29,77 @@ SMALLEST_STEP = 0.05
 """Areas whose values differ by less, relative to the larger one, are steps of one field."""
 
 
+Layer = tuple[str, ...]
+"""What loads have in common that add up to one field of pressure."""
+
+
+class Load(Protocol):
+    """A load of an element, as typed."""
+
+    @property
+    def layer(self) -> Layer:
+        """Equal for loads that differ in their values alone."""
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """Equal for equal loads."""
+
+    @property
+    def values(self) -> tuple[str, ...]:
+        """One value, or one at each of four corners."""
+
+
+L = TypeVar("L", bound=Load)
+L_co = TypeVar("L_co", bound=Load, covariant=True)
+
+
+class Loaded(Protocol[L_co]):
+    """A load and the elements that have it."""
+
+    @property
+    def elements(self) -> Sequence[int]:
+        """Their ids."""
+
+    @property
+    def pressure(self) -> L_co:
+        """The load."""
+
+
 @dataclass(frozen=True, eq=False)
-class Field:
+class Field(Generic[L]):
     """Pressures of one layer that differ from element to element.
 
     Attributes
     ----------
-    sample : Pressure
+    sample : Load
         How it is typed.
     values : dict of int to tuple of float
         By element id: one value, or one at each corner.
     """
 
-    sample: Pressure
+    sample: L
     values: dict[int, tuple[float, ...]]
 
 
 @dataclass(frozen=True, eq=False)
-class ShellLoads:
+class ShellLoads(Generic[L]):
     """Loads of shells, even ones and fields.
 
     Attributes
     ----------
-    even : dict of int to tuple of Pressure
+    even : dict of int to tuple of Load
         By element id.
     graded : dict of int to tuple of (Layer, int)
         By element id: the fields that it is a sample of, and in which of their areas it is.
     fields : dict of Layer to Field
     """
 
-    even: dict[int, tuple[Pressure, ...]]
+    even: dict[int, tuple[L, ...]]
     graded: dict[int, tuple[tuple[Layer, int], ...]]
-    fields: dict[Layer, Field]
+    fields: dict[Layer, Field[L]]
 
 
-def sort_loads(cards: Iterable[PressureCard], element_ids: Ids, corners: Ids) -> ShellLoads:
+def sort_loads(cards: Iterable[Loaded[L]], element_ids: Ids, corners: Ids) -> ShellLoads[L]:
     """Tell even loads from fields.
 
     Parameters
@@ -71,7 +107,7 @@ def sort_loads(cards: Iterable[PressureCard], element_ids: Ids, corners: Ids) ->
     element_ids, corners : (M,) int64, (M, 4) int64
         Of all shells; a tria has 0 last.
     """
-    layers: dict[Layer, dict[int, list[Pressure]]] = defaultdict(lambda: defaultdict(list))
+    layers: dict[Layer, dict[int, list[L]]] = defaultdict(lambda: defaultdict(list))
     order = np.argsort(element_ids)
     ascending = element_ids[order]
     for card in cards:
@@ -79,9 +115,9 @@ def sort_loads(cards: Iterable[PressureCard], element_ids: Ids, corners: Ids) ->
         for row in _rows(card.elements, ascending, order):
             by_row[row].append(card.pressure)
     pairs = _neighbours(corners)
-    even: dict[int, list[Pressure]] = defaultdict(list)
+    even: dict[int, list[L]] = defaultdict(list)
     graded: dict[int, list[tuple[Layer, int]]] = defaultdict(list)
-    fields: dict[Layer, Field] = {}
+    fields: dict[Layer, Field[L]] = {}
     for layer, by_row in layers.items():
         area, is_field = _areas(by_row, pairs, corners)
         for row, loads in by_row.items():
@@ -126,7 +162,7 @@ def _neighbours(corners: Ids) -> Ids:
     return pairs
 
 
-def _areas(by_row: dict[int, list[Pressure]], pairs: Ids, corners: Ids) -> tuple[Ints, Bools]:
+def _areas(by_row: Mapping[int, Sequence[Load]], pairs: Ids, corners: Ids) -> tuple[Ints, Bools]:
     """Area of each row, and whether its values differ; of rows with loads, all others mean nothing.
 
     Rows of equal loads that touch make an area. Areas that touch are one where they differ little,
@@ -184,7 +220,7 @@ def _components(pairs: Ids, count: int) -> Ints:
     return label
 
 
-def _sum(loads: Sequence[Pressure]) -> tuple[float, ...]:
+def _sum(loads: Sequence[Load]) -> tuple[float, ...]:
     """Pressure of loads together: one value, or four where corners differ."""
     values = np.array([np.resize([real(text) for text in load.values], 4) for load in loads])
     total = tuple(values.sum(axis=0).tolist())
