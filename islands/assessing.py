@@ -11,7 +11,8 @@ from meshops.quality import median_edge
 from meshops.sizing import LOCAL, parse_size
 
 Size = float | str | None
-"""As a user gives it: a number, ``local`` or a file of sizes; None: the median edge."""
+"""As a user gives it: a number, ``local``, ``even`` (the median edge) or a file of sizes; None: the
+mesh's own gradation, where the criteria go by the size of elements."""
 
 
 def assessment_of(
@@ -27,8 +28,11 @@ def assessment_of(
     `judged_size` is what lengths are judged by where `size` is no number; None: the median edge.
     Raises InputError where the size is none.
     """
+    if size is None:
+        by_size = any(criterion.scaled and criterion.active for criterion in criteria.criteria)
+        size = LOCAL if by_size else EVEN
     number = None if isinstance(size, str) else size
-    sizes = parse_size(size, mesh) if isinstance(size, str) else None
+    sizes = parse_size(size, mesh) if isinstance(size, str) and size != EVEN else None
     return Assessment(
         scoring=criteria.at(number or judged_size or median_edge(mesh)),
         sizes=sizes,

@@ -16,6 +16,7 @@ from islands.migration import GivingWay, Leaving, Migration
 from islands.search import Plan
 from islands.stopping import Stopping
 from islands.topology import Link, Topology, TopologyKind
+from meshops.assessment import EVEN
 from meshops.criteria import BUILT_IN
 from meshops.errors import InputError
 from meshops.fitness import IRREGULARITY, PRICE, FitnessKind
@@ -191,7 +192,16 @@ class Config(BaseModel):
     @property
     def size_field(self) -> str | None:
         """The size field that the user named instead: ``local`` or a file."""
-        return self.size if isinstance(self.size, str) else None
+        return self.size if isinstance(self.size, str) and self.size != EVEN else None
+
+    @property
+    def judged_by(self) -> float | str | None:
+        """What lengths are judged by: the user's size, or one size where the search knows no more.
+
+        None: what is best for the criteria.
+        """
+        whole = self.profile == "paper" or self.operation is not None
+        return EVEN if self.size is None and whole else self.size
 
     @property
     def plan(self) -> Plan:

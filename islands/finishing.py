@@ -10,6 +10,7 @@ import numpy as np
 from islands.integration_ga import Work
 from islands.procedure import Step, perform_steps
 from meshops.edit import apply
+from meshops.guard import guarded
 from meshops.mesh import ShellMesh
 from meshops.operations import Operation
 from meshops.operations.smooth import METHODS, Smooth, Smoothing
@@ -43,10 +44,10 @@ def polish_for(aim: Aim, operations: Sequence[Operation]) -> tuple[Smoothing, ..
 
 
 def finished(work: Work, steps: tuple[Step, ...], mesh: ShellMesh | None = None) -> Piece:
-    """Perform steps on the mesh of a work, and smooth all of it where that makes it fitter.
+    """Perform steps on the mesh of a work, smooth it where that makes it fitter, and guard it.
 
     `mesh` is what the steps lead to, where that is known. For straight rows it is enough that
-    nothing gets worse.
+    nothing gets worse. No steps are left where nothing of what they do is kept.
     """
     if not steps:
         return Piece(steps, work.mesh)
@@ -57,6 +58,7 @@ def finished(work: Work, steps: tuple[Step, ...], mesh: ShellMesh | None = None)
         )
     setting = replace(problem.setting, fitness=replace(problem.fitness, kind="quality"))
     smooth = Smooth()
+    root = Workpiece(work.mesh, setting, problem.reference)
     for method in work.polish:
         parameters = np.array([[1, POLISH_RINGS, METHODS.index(method)]], np.int32)
         workpiece = Workpiece(mesh, setting, problem.reference)
@@ -65,4 +67,6 @@ def finished(work: Work, steps: tuple[Step, ...], mesh: ShellMesh | None = None)
         before, smoothed = workpiece.fitness(np.stack([workpiece.tally, after]))
         if smoothed > before or (method == "laplace" and smoothed == before):
             steps, mesh = (*steps, Step(smooth.code, parameters)), apply(mesh, edit)
-    return Piece(steps, mesh)
+    if work.aim is not None:
+        mesh = guarded(root, mesh, work.aim, neutral=problem.drifts)
+    return Piece(steps if mesh is not work.mesh else (), mesh)

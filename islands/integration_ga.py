@@ -15,10 +15,11 @@ from islands.operation_ga import evolve
 from islands.procedure import Step
 from meshops.edit import apply
 from meshops.fitness import INVALID, Fitness
-from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS
+from meshops.kernels.quality import ELEMENTS, SHAPE, SIZE, TRIAS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
 from meshops.operations.smooth import Smoothing
+from meshops.subdomain import Aim
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
@@ -141,8 +142,13 @@ class Work:
     problem : Problem
     mesh : ShellMesh
     least_trias : int
-        The fewest trias that it can have. With so few and no failed element nothing is left to
-        gain; -1 where every generation counts.
+        The fewest trias that it can have. With so few and no fault that can be mended nothing is
+        left to gain; -1 where every generation counts.
+    least_size : float
+        Severity of the faults of size that no arrangement mends.
+    aim : "faults", "flow", "tidy" or None
+        What it was cut out for, and so what the guard takes for a gain; None: a whole mesh, of
+        which nothing is guarded, as in the paper.
     is_whole : bool
         Whether it is a mesh as one place, whose operation GAs last long enough to be shared out,
         and not one of many small parts.
@@ -153,6 +159,8 @@ class Work:
     problem: Problem
     mesh: ShellMesh
     least_trias: int = -1
+    least_size: float = 0.0
+    aim: Aim | None = None
     is_whole: bool = False
     polish: tuple[Smoothing, ...] = ()
 
@@ -164,7 +172,8 @@ class Work:
 
     def is_solved(self, tally: Floats) -> bool:
         """Whether a mesh with this tally (TALLY_SIZE,) leaves nothing to gain."""
-        return bool(tally[FAILED] == 0 and tally[TRIAS] <= self.least_trias)
+        is_sound = tally[SHAPE] == 0 and tally[SIZE] <= self.least_size
+        return bool(is_sound and tally[TRIAS] <= self.least_trias)
 
 
 def remembered(elements: int, most_bytes: float = REMEMBERED_BYTES) -> int:

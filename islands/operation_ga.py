@@ -94,7 +94,9 @@ def evolve(
     *_, last = generations(space, workpiece, breeding, rng)
     fit = np.isfinite(last.best_fitness) and (not improving or workpiece.accepts(last.best_tally))
     parameters = space.parameters(last.best) if fit else nothing
-    if len(parameters) and isinstance(space, Remembering):
+    if not len(parameters):
+        return Evolved(nothing, Edit(), last.evaluations)
+    if isinstance(space, Remembering):
         edit = space.edit_of(last.best)
     else:
         edit = operation.apply(workpiece, parameters)

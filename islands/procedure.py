@@ -8,21 +8,24 @@ from typing import Any, get_args
 
 import numpy as np
 
+from islands.assessing import assessment_of
+from meshops.assessment import EVEN
 from meshops.criteria import Criteria
 from meshops.criteria_files import dump_criteria, parse_toml
 from meshops.edit import apply
 from meshops.errors import InputError
 from meshops.fitness import Fitness
+from meshops.guard import guarded
 from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
 from meshops.patch import join, without_doubles
 from meshops.reference import Reference
-from meshops.sizing import parse_size
+from meshops.sizing import local_growth
 from meshops.subdomain import Aim, Extent, Subdomain, subdomains
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
-FORMAT = "meshipelago procedure 3"
+FORMAT = "meshipelago procedure 4"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +77,15 @@ class Round:
         In the order of the subdomains.
     aim : "faults", "flow" or "tidy"
         What the subdomains were cut out for.
+    drifts : bool
+        Whether changes that gain nothing were kept too.
     """
 
     extent: Extent | None
     turn: int
     places: tuple[Place, ...]
     aim: Aim = "faults"
+    drifts: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +106,7 @@ class Procedure:
         Under which elements failed, which says where places are.
     element_size : float or None
     size_field : str or None
-        As the user named it: ``local``, or a file of sizes.
+        ``local``, or a file of sizes; None: lengths were judged by one size.
     feature_angle : float
     slides : bool
         The setting under which its operations ran.
@@ -128,13 +134,14 @@ class Procedure:
 
         `size` is what lengths are judged by on another mesh than its own.
         """
-        return Setting(
-            scoring=self.criteria.at(size or self.size),
-            fitness=Fitness("quality", len(mesh.elements)),
+        sizes = self.element_size or self.size_field or EVEN
+        return Setting.of(
+            mesh,
+            assessment_of(mesh, self.criteria, sizes, judged_size=size or self.size),
+            Fitness("quality", len(mesh.elements)),
             element_size=self.element_size,
             feature_angle=self.feature_angle,
             slides=self.slides,
-            sizes=parse_size(self.size_field, mesh) if self.size_field else None,
         )
 
     def text(self, operations: tuple[Operation, ...]) -> str:
@@ -223,6 +230,7 @@ def round_document(done: Round, operations: tuple[Operation, ...]) -> dict[str, 
         "extent": None if done.extent is None else [done.extent.rings, done.extent.elements],
         "turn": done.turn,
         "aim": done.aim,
+        "drifts": done.drifts,
         "places": [
             {
                 "centre": place.centre,
@@ -251,7 +259,7 @@ def read_round(item: dict[str, Any], operations: tuple[Operation, ...]) -> Round
     if item["aim"] not in get_args(Aim):
         raise ValueError(f"a round has no aim {item['aim']!r}")
     places = tuple(_read_place(place, codes) for place in item["places"])
-    return Round(extent, int(item["turn"]), places, item["aim"])
+    return Round(extent, int(item["turn"]), places, item["aim"], bool(item["drifts"]))
 
 
 def _read_place(place: dict[str, Any], codes: dict[str, int]) -> Place:
@@ -287,31 +295,48 @@ def perform(
     setting: Setting,
     reference: Reference | None = None,
 ) -> ShellMesh:
-    """Perform rounds on the mesh that they were found on.
+    """Perform rounds on the mesh that they were found on, and guard what they make of it.
 
     `reference` is what nodes must stay on where that is another mesh. Raises InputError where a
     step names what the mesh does not have.
     """
+    after = perform_rounds(mesh, rounds, operations, setting, reference)
+    if any(done.extent is None for done in rounds):
+        return after  # the paper's own GA knows no guard
+    return guarded(Workpiece(mesh, setting), after, all_aims(rounds))
+
+
+def all_aims(rounds: tuple[Round, ...]) -> Aim:
+    """Return what all rounds together aim at.
+
+    What tidies removes irregular nodes that other rounds have brought, which is no gain over all.
+    """
+    return "flow" if any(done.aim == "flow" for done in rounds) else "faults"
+
+
+def perform_rounds(
+    mesh: ShellMesh,
+    rounds: tuple[Round, ...],
+    operations: tuple[Operation, ...],
+    setting: Setting,
+    reference: Reference | None = None,
+) -> ShellMesh:
+    """Perform rounds; each of their places is guarded by itself. See `perform`."""
     reference = reference or Reference(mesh, setting.feature_angle)
     for done in rounds:
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)
             continue
         found = subdomains(Workpiece(mesh, setting), done.extent, done.turn, done.aim)
-        edits = [
-            subdomain.edit(
-                mesh,
-                perform_steps(
-                    subdomain.mesh,
-                    place.steps,
-                    operations,
-                    subdomain_setting(setting, subdomain),
-                    reference.around(subdomain.patch),
-                ),
-            )
-            for subdomain, place in zip(found, done.places, strict=False)
-            if place.steps
-        ]
+        edits = []
+        for subdomain, place in zip(found, done.places, strict=False):
+            if place.steps:
+                own = subdomain_setting(setting, subdomain)
+                surface = reference.around(subdomain.patch)
+                after = perform_steps(subdomain.mesh, place.steps, operations, own, surface)
+                root = Workpiece(subdomain.mesh, own, surface)
+                after = guarded(root, after, done.aim, neutral=done.drifts)
+                edits.append(subdomain.edit(mesh, after))
         mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
     return mesh
 
@@ -319,16 +344,18 @@ def perform(
 def subdomain_setting(setting: Setting, subdomain: Subdomain) -> Setting:
     """Return the setting of a run for one subdomain.
 
-    Its fitness counts its own elements, and of a size field the size in its middle is taken.
+    Its fitness counts its own elements, and its lengths are judged by a size that grows evenly, as
+    near to the size field as can be.
     """
     elements = len(subdomain.mesh.elements)
     fitness = replace(setting.fitness, elements=elements)
     own = replace(setting, fitness=fitness, outside=subdomain.outside)
     if setting.sizes is None:
         return own
-    size = float(np.median(setting.sizes.at(subdomain.mesh.points)))
-    scoring = setting.scoring.criteria.at(size)
-    return replace(own, scoring=scoring, element_size=size, sizes=None)
+    size, growth = local_growth(setting.sizes, subdomain.mesh.points)
+    scoring = replace(setting.scoring, size=size, growth=growth)
+    wanted = None if setting.keeps_sizes else size
+    return replace(own, scoring=scoring, element_size=wanted, sizes=None)
 
 
 def perform_steps(

@@ -24,6 +24,9 @@ EXPERIENCE = {
 parts, in the first rounds of runs that began without any; half of that for `anneal`, which takes
 longest."""
 
+LARGE = ("anneal", "remesh")
+"""Operations that make a whole place anew."""
+
 FLOW_RATES = {"anneal": 0.8, "smooth": 0.1}
 """How often operations are drawn in rounds for a better flow; the rest is nothing."""
 
@@ -41,6 +44,13 @@ def adapted_rates(credit: Floats) -> Floats:
 def first_credit(problem: Problem) -> Floats:
     """(C,) credit of each operation before the first round."""
     return np.array([EXPERIENCE.get(name, 0.0) for name in _names(problem)])
+
+
+def small_rates(problem: Problem) -> Floats:
+    """(C,) how often each operation is drawn where edits are to be small: one like the other."""
+    rates = np.array([float(name not in LARGE) for name in _names(problem)])
+    normalised: Floats = rates / rates.sum() if rates.any() else np.full(len(rates), 1 / len(rates))
+    return normalised
 
 
 def flow_rates(problem: Problem) -> Floats:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from islands.procedure import Procedure, perform
+from islands.procedure import Procedure, all_aims, perform
 from islands.transfer import transfer
 from meshops.assessment import Assessment
 from meshops.errors import InputError
 from meshops.formats import Deck, read_deck
 from meshops.formats.selection import locked_but
 from meshops.formats.verified import write_verified
+from meshops.guard import guarded
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.quality import median_edge
-from meshops.workpiece import Setting
+from meshops.workpiece import Setting, Workpiece
 
 
 def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
@@ -65,7 +66,8 @@ def _transfer(
 ) -> str:
     setting = procedure.setting(start, procedure.element_size or median_edge(start))
     try:
-        mesh, _ = transfer(procedure, start, ALL_OPERATIONS, setting)
+        mesh, rounds = transfer(procedure, start, ALL_OPERATIONS, setting)
+        mesh = guarded(Workpiece(start, setting), mesh, all_aims(rounds))
     except InputError as error:
         raise InputError(
             f"{procedure_file} was found on another mesh than {source}: {error}"

@@ -12,13 +12,21 @@ from islands.archipelago import Archipelago, Executor, Schedule, Status, evolve_
 from islands.finishing import Piece, finished
 from islands.integration_ga import Problem, Work
 from islands.island import IslandState
-from islands.procedure import Round, perform
-from islands.rates import adapted_rates, credits_of, first_credit, flow_rates, named_rates
+from islands.procedure import Round, all_aims, perform_rounds
+from islands.rates import (
+    adapted_rates,
+    credits_of,
+    first_credit,
+    flow_rates,
+    named_rates,
+    small_rates,
+)
 from islands.reporter import Reporter
 from islands.search import Evolution, Plan, SearchState, Watchers
 from islands.sliding import slid
 from islands.stitching import stitched, subdomain_work
-from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS
+from meshops.guard import guarded
+from meshops.kernels.quality import FAILED, IRREGULAR, SHAPE_FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
 from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, places, subdomains
@@ -33,6 +41,10 @@ FADING = 0.7
 
 WORTHWHILE = 0.02
 """Faults that a round removes, per subdomain, for which the next one keeps its extent."""
+
+LEADING = (Extent(3, 60), Extent(6, 160), Extent(12, 500))
+"""Of the first rounds, in which only small edits are tried: of repairs that mend the same the
+smallest is the best, and these are found in no time."""
 
 FLOW = Extent(rings=20, elements=800)
 """Of the subdomains in which irregular nodes are to vanish: these come in pairs that are far apart,
@@ -112,7 +124,13 @@ class _Search:
         state = self.state
         rounds = state.rounds[: state.best_rounds]
         reason = state.reason if status == "finished" else ""
-        return Evolution(state.best, rounds, state.evaluations, state.performed, status, reason)
+        mesh = self._guarded(state.best, rounds)
+        return Evolution(mesh, rounds, state.evaluations, state.performed, status, reason)
+
+    def _guarded(self, best: ShellMesh, rounds: tuple[Round, ...]) -> ShellMesh:
+        """Keep of all changes what is none for the worse of the mesh that the run began with."""
+        start = Workpiece(self.reference.mesh, self.problem.setting)
+        return guarded(start, best, all_aims(rounds))
 
     def _first(self) -> SearchState:
         # larger subdomains at once where places are dense, and small ones would be in the way
@@ -130,7 +148,7 @@ class _Search:
             evaluations=0,
             performed=0,
             reports=0,
-            level=level,
+            level=-len(LEADING),
             first_level=level,
             cycle=0,
             aim="faults",
@@ -179,7 +197,7 @@ class _Search:
             return False
         if self._has_larger_extent and len(places(self.workpiece)):
             # each fault's subdomain has a border that allows no less
-            self._set(level=self.state.level + 1)
+            self._set(level=self._larger)
         elif self.state.flows_left:
             self._set(aim="flow")
         else:
@@ -209,7 +227,8 @@ class _Search:
         if done is None or done.extent is None:
             return
         mesh, setting = self.workpiece.mesh, self.problem.setting
-        self._take(perform(mesh, (done,), self.problem.operations, setting, self.reference), done)
+        operations = self.problem.operations
+        self._take(perform_rounds(mesh, (done,), operations, setting, self.reference), done)
         self.best = self.workpiece
         self._set(best=self.state.mesh, best_rounds=1)
         problem = replace(self.problem, weights=adapted_rates(self.state.credit))
@@ -222,12 +241,15 @@ class _Search:
             problem = self.problem
             if state.batches:
                 problem = moving_on(problem, state.cycle, before.tally)
-            problem = replace(problem, weights=adapted_rates(state.credit), turn=turn)
+            leads = state.level < 0
+            weights = small_rates(problem) if leads else adapted_rates(state.credit)
+            problem = replace(problem, weights=weights, turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
         works = [subdomain_work(problem, self.reference, part, state.aim) for part in found]
         states, pieces, status = self._evolve(works)
-        done, mesh = stitched(before.mesh, Round(extent, turn, (), state.aim), found, pieces)
+        empty = Round(extent, turn, (), state.aim, problem.drifts)
+        done, mesh = stitched(before.mesh, empty, found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)
         if state.aim == "faults":
@@ -293,7 +315,8 @@ class _Search:
         else:
             gained = float(np.abs(tally - before.tally)[[FAILED, TRIAS]].sum())
         if self._has_larger_extent:
-            self._set(level=self.state.level + (gained < WORTHWHILE * works))
+            stays = self.state.level >= 0 and gained >= WORTHWHILE * works
+            self._set(level=self.state.level if stays else self._larger)
         elif not gained:
             aim = "flow" if self.state.flows_left else "faults"
             self._set(cycle=self.state.cycle + 1, level=0, aim=aim)
@@ -320,7 +343,14 @@ class _Search:
     @property
     def _extent(self) -> Extent:
         state = self.state
-        return {"faults": self.plan.extents[state.level], "flow": FLOW, "tidy": TIDY}[state.aim]
+        if state.aim != "faults":
+            return FLOW if state.aim == "flow" else TIDY
+        return (*LEADING, *self.plan.extents)[len(LEADING) + state.level]
+
+    @property
+    def _larger(self) -> int:
+        """The level of the next extent."""
+        return self.state.first_level if self.state.level == -1 else self.state.level + 1
 
     def _fitness(self, workpiece: Workpiece) -> float:
         return float(workpiece.fitness(workpiece.tally[None])[0])
@@ -369,6 +399,6 @@ def moving_on(problem: Problem, cycle: int, tally: Floats) -> Problem:
     search that stands still gives both the first place in turn, and drifts among equal meshes.
     """
     setting = problem.setting
-    trias_first = cycle % 2 == 1 if cycle else tally[FAILED] == 0
+    trias_first = cycle % 2 == 1 if cycle else tally[SHAPE_FAILED] == 0
     fitness = replace(setting.fitness, kind="quads" if trias_first else "quality")
     return replace(problem, setting=replace(setting, fitness=fitness), drifts=cycle > 0)

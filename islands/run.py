@@ -34,6 +34,7 @@ from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.quality_index import QualityIndex
 from meshops.reference import Reference
+from meshops.sizing import LOCAL
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece
 from tracking.events import Event, MeshSummary, RunFinished, RunStarted
@@ -90,14 +91,14 @@ class Job:
                 "them; there is nothing that may be changed."
             )
         assessment = assessment_of(
-            mesh, criteria, config.size, judged_size=config.judged_size, reference=mesh
+            mesh, criteria, config.judged_by, judged_size=config.judged_size, reference=mesh
         )
-        setting = Setting(
-            scoring=assessment.scoring,
-            fitness=Fitness(config.fitness, len(mesh.elements), config.irregularity, config.price),
+        setting = Setting.of(
+            mesh,
+            assessment,
+            Fitness(config.fitness, len(mesh.elements), config.irregularity, config.price),
             element_size=config.element_size,
             feature_angle=config.feature_angle,
-            sizes=assessment.sizes,
             slides=config.slide,
         )
         problem = Problem(
@@ -124,6 +125,13 @@ class Job:
             "known": self.known.result if self.known else None,
         }
         return blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=16).hexdigest()
+
+    @property
+    def size_field(self) -> str | None:
+        """What lengths are judged by instead of one size: ``local`` or a file."""
+        if self.config.size_field or self.assessment.sizes is None:
+            return self.config.size_field
+        return LOCAL
 
     def quality(self, mesh: ShellMesh) -> QualityIndex:
         """Return the QualityIndex of a mesh under the job's criteria."""
@@ -327,7 +335,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         criteria=setting.scoring.criteria,
         size=setting.scoring.size,
         element_size=setting.element_size,
-        size_field=job.config.size_field,
+        size_field=job.size_field,
         feature_angle=setting.feature_angle,
         slides=setting.slides,
         seed=problem.seed,

@@ -7,7 +7,7 @@ import numpy as np
 from islands.integration_ga import Problem
 from islands.procedure import Place, Round, Step, subdomain_setting
 from meshops.edit import apply
-from meshops.kernels.quality import FAILED
+from meshops.kernels.quality import SHAPE, SIZE
 from meshops.operations.slide import SHIFTS, Slide
 from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, subdomains
@@ -44,7 +44,7 @@ def _steps(
     steps: list[Step] = []
     setting = subdomain_setting(around.setting, subdomain)
     workpiece = Workpiece(subdomain.mesh, setting)
-    if not (workpiece.topology.sliding_nodes.any() and workpiece.failing.any()):
+    if not (workpiece.topology.sliding_nodes.any() and workpiece.mendable.any()):
         return ()
     workpiece = Workpiece(subdomain.mesh, setting, reference.around(subdomain.patch))
     while len(steps) < TIMES:
@@ -52,7 +52,7 @@ def _steps(
         edits = [operation.apply(workpiece, choice) for choice in choices]
         tallies = workpiece.tally + np.stack([workpiece.tally_change(edit) for edit in edits])
         best = int(np.argmax(workpiece.fitness(tallies)))
-        if tallies[best][FAILED] >= workpiece.tally[FAILED]:
+        if tuple(tallies[best][[SHAPE, SIZE]]) >= tuple(workpiece.tally[[SHAPE, SIZE]]):
             break
         steps.append(Step(operation.code, choices[best]))
         mesh = apply(workpiece.mesh, edits[best])

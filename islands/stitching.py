@@ -9,10 +9,12 @@ from islands.finishing import Piece, polish_for
 from islands.integration_ga import Problem, Work
 from islands.procedure import Place, Round, subdomain_setting
 from meshops.edit import apply
+from meshops.fitness import limits_of
 from meshops.mesh import ShellMesh
 from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.subdomain import Aim, Subdomain
+from meshops.workpiece import Workpiece
 
 
 def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain, aim: Aim) -> Work:
@@ -20,14 +22,19 @@ def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain,
 
     Where faults are the aim it is done as soon as there are none.
     """
+    setting = subdomain_setting(problem.setting, subdomain)
+    workpiece = Workpiece(subdomain.mesh, setting)
+    limits = limits_of(workpiece.tally)
     return Work(
         replace(
             problem,
-            setting=subdomain_setting(problem.setting, subdomain),
+            setting=replace(setting, fitness=replace(setting.fitness, limits=limits)),
             reference=reference.around(subdomain.patch),
         ),
         subdomain.mesh,
-        subdomain.least_trias if aim == "faults" else -1,
+        least_trias=subdomain.least_trias if aim == "faults" else -1,
+        least_size=workpiece.severity_in_rows,
+        aim=aim,
         polish=polish_for(aim, problem.operations),
     )
 

@@ -9,11 +9,12 @@ import numpy as np
 from islands.procedure import Place, Procedure, Round, Step, perform_steps, subdomain_setting
 from meshops.edit import Edit, apply
 from meshops.errors import InputError
+from meshops.guard import guarded
 from meshops.mesh import Floats, ShellMesh
 from meshops.operations import Operation
 from meshops.patch import join, without_doubles
 from meshops.reference import Reference
-from meshops.subdomain import Subdomain, subdomains
+from meshops.subdomain import Aim, Subdomain, subdomains
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 
@@ -50,12 +51,12 @@ def transfer(
         for subdomain in subdomains(start, done.extent, done.turn, done.aim):
             steps = known[_nearest(centres, _relative(subdomain.centre[None], box))].steps
             surface = reference.around(subdomain.patch)
-            place, edit = _take_over(mesh, subdomain, steps, operations, setting, surface)
+            place, edit = _take_over(mesh, subdomain, steps, operations, setting, surface, done.aim)
             places.append(place)
             edits.append(edit)
         if any(place.steps for place in places):
             mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
-            rounds.append(replace(done, places=tuple(places)))
+            rounds.append(replace(done, places=tuple(places), drifts=False))
     return mesh, tuple(rounds)
 
 
@@ -77,6 +78,7 @@ def _take_over(
     operations: tuple[Operation, ...],
     setting: Setting,
     surface: PatchSurface,
+    aim: Aim,
 ) -> tuple[Place, Edit]:
     """Perform steps on a subdomain up to the one after which it is fittest."""
     own = subdomain_setting(setting, subdomain)
@@ -92,4 +94,6 @@ def _take_over(
         current = perform_steps(current, (step,), operations, own, surface)
         if fitness(current) > best_fitness:
             best, best_fitness, used = current, fitness(current), number
+    best = guarded(Workpiece(subdomain.mesh, own, surface), best, aim)
+    used = 0 if best is subdomain.mesh else used
     return Place((x, y, z), steps[:used]), subdomain.edit(mesh, best)

@@ -59,7 +59,7 @@ PENALTIES = (0.0, 0.0, 0.8, 1.0, 10.0)
 Scalar = TypeVar("Scalar", bound=np.generic)
 Levels = tuple[float, float, float, float, float]
 Family = Literal["shape", "size"]
-ScoringArrays = tuple[Floats, Floats, Bools, Floats, bool]
+ScoringArrays = tuple[Floats, Floats, Bools, Floats, Floats]
 
 
 @dataclass(frozen=True)
@@ -162,11 +162,19 @@ class Scoring:
         Target element size; InputError unless it is positive.
     with_reference : bool
         Whether there is a reference surface. Without one chordal deviation is not active.
+    growth : six floats
+        The gradient of the logarithm of the target size over the place, and where it is `size`.
+    bounds : thirteen floats or None
+        The worst that a changed element may have by each criterion of shape, where that is better
+        than the fail level; infinite, with the sign of what is bad, where just that counts. None:
+        everywhere.
     """
 
     criteria: Criteria
     size: float
     with_reference: bool = False
+    growth: tuple[float, ...] = (0.0,) * 6
+    bounds: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.size) and self.size > 0.0):
@@ -174,9 +182,11 @@ class Scoring:
 
     @cached_property
     def levels(self) -> Floats:
-        """(13, 5) float64, read-only: lengths in the mesh's unit, angles in degrees."""
+        """(13, 6) float64, read-only, bounds last; in the mesh's unit and in degrees."""
         scale = [[self.size if c.scaled else 1.0] for c in self.criteria.criteria]
-        return _read_only(np.array([c.levels for c in self.criteria.criteria]) * scale)
+        levels = np.array([c.levels for c in self.criteria.criteria]) * scale
+        unbounded = [-math.inf if name in FALLING else math.inf for name in NAMES]
+        return _read_only(np.column_stack([levels, self.bounds or unbounded]))
 
     @cached_property
     def weights(self) -> Floats:
@@ -197,14 +207,19 @@ class Scoring:
 
     @cached_property
     def arrays(self) -> ScoringArrays:
-        """Levels, weights, active, penalties, normalised: the last arguments of every kernel."""
+        """Levels, weights, active, penalties, sizing: the last arguments of every kernel."""
         return (
             self.levels,
             self.weights,
             self.active,
             self.penalties,
-            self.criteria.normalised_size,
+            self.sizing,
         )
+
+    @cached_property
+    def sizing(self) -> Floats:
+        """(7,) float64, read-only: how lengths are measured."""
+        return _read_only(np.array([self.criteria.normalised_size, *self.growth], np.float64))
 
     def __getstate__(self) -> dict[str, object]:
         """Arrays are made again where they are needed, so that they stay read-only."""

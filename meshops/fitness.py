@@ -8,7 +8,16 @@ from typing import Literal
 import numpy as np
 
 from meshops.criteria import Scoring
-from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS, order_meshes
+from meshops.kernels.quality import (
+    ELEMENTS,
+    FAILED,
+    SHAPE,
+    SHAPE_FAILED,
+    SIZE,
+    TALLY_SIZE,
+    TRIAS,
+    order_meshes,
+)
 from meshops.mesh import Floats, Ids
 
 FitnessKind = Literal["trias", "quads", "quality"]
@@ -23,6 +32,8 @@ IRREGULARITY = 0.3
 """What an irregular node costs, over an element whose Q.I. is higher by 1: rows of quads flow
 through a mesh as far as the next one (the paper's section 2.1)."""
 
+_LIMITED = (SHAPE, TRIAS, SIZE)
+
 
 @dataclass(frozen=True)
 class Fitness:
@@ -31,16 +42,21 @@ class Fitness:
     ``trias`` is the paper's (section 3.2): 100 minus the number of trias. It falls below 0 on a
     mesh with more than 100 trias.
 
-    ``quality`` orders meshes as an engineer does: fewer failed elements first, then fewer trias,
-    then a lower compound Q.I. and fewer irregular nodes, less a small price for each operation
-    used, which section 5.3 of the paper wishes for:
-    ``100 - failed - (trias + (q + price) / 2) / (n + 1)``. Here n is the number of elements that
-    the run started from, q is the compound Q.I. plus `irregularity` times the irregular nodes an
-    element, brought into [0, 1) by x / (1 + x), and the price is `price` for each operation, at
-    most 1.
+    ``quality`` orders meshes as an engineer does: shape before trias before size, and by how severe
+    faults are and not by how many. The severity s of the faults of shape is the sum of all
+    penalties of shape beyond the fail level, and z is that of size. Then comes a lower compound
+    Q.I. with fewer irregular nodes, less a small price for each operation used, which section 5.3
+    of the paper wishes for:
+    ``100 - s - h - (trias + (z + (q + price) / 2) / (31 (n + 1))) / (n + 1)``. Here n is the number
+    of elements that the run started from, q is the compound Q.I. plus `irregularity` times the
+    irregular nodes an element, brought into [0, 1) by x / (1 + x), and the price is `price` for
+    each operation, at most 1. z counts where no shape was at fault to begin with: elsewhere what
+    mends size spoils shape. h is the harm, 60 times what there is of it: trias beyond those of the
+    mesh that the search started from, but for one in the place of each element that was concave or
+    folded, and severity of size beyond what it was.
 
-    ``quads`` is the same with failed elements and trias changing places: fewer trias first. A
-    search that stands still takes this way round, since a failed element is the easier to mend.
+    ``quads`` is the same with faults of shape and trias changing places; shape beyond what it was
+    is harm then. A search that stands still takes this way round.
 
     Attributes
     ----------
@@ -51,12 +67,16 @@ class Fitness:
         What an irregular node costs, over an element whose Q.I. is higher by 1.
     price : float
         What one operation of a procedure costs.
+    limits : three floats
+        Severity of shape, trias and severity of size of the mesh that the search started from;
+        infinite: nothing is harm.
     """
 
     kind: FitnessKind
     elements: int
     irregularity: float = IRREGULARITY
     price: float = PRICE
+    limits: tuple[float, float, float] = (np.inf, np.inf, np.inf)
 
     def of(self, tallies: Floats, scoring: Scoring, operations: Ids | int = 0) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies; NaN tallies (no valid mesh) have INVALID.
@@ -66,22 +86,30 @@ class Fitness:
         if self.kind == "trias":
             valid = np.isfinite(tallies[:, ELEMENTS])
             return np.where(valid, 100.0 - tallies[:, TRIAS], INVALID)
-        first, second = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
-        prices = np.zeros(len(tallies)) + np.minimum(self.price * operations, 1.0)
+        limits = np.full(TALLY_SIZE, np.inf)
+        limits[list(_LIMITED)] = self.limits
         fitness: Floats = order_meshes(
             tallies,
-            first,
-            second,
+            self.kind == "quads",
+            limits,
             self.elements + 1,
             self.irregularity,
-            prices,
+            np.zeros(len(tallies)) + np.minimum(self.price * operations, 1.0),
             INVALID,
             *scoring.arrays,
         )
         return fitness
 
     def of_faults(self, tally: Floats) -> float:
-        """Fitness of one tally (TALLY_SIZE,) by failed elements and trias alone."""
-        order = (TRIAS, FAILED) if self.kind == "quads" else (FAILED, TRIAS)
+        """Fitness of one tally (TALLY_SIZE,) by the numbers of its faults and trias alone."""
+        order = (TRIAS, SHAPE_FAILED) if self.kind == "quads" else (SHAPE_FAILED, TRIAS)
         first, second = tally[list(order)]
-        return float(100.0 - first - second / (self.elements + 1))
+        by_size = tally[FAILED] - tally[SHAPE_FAILED]
+        share = self.elements + 1
+        return float(100.0 - first - (second + by_size / share) / share)
+
+
+def limits_of(tally: Floats) -> tuple[float, float, float]:
+    """Return the limits of a search from a mesh with this tally (TALLY_SIZE,), for `Fitness`."""
+    shape, trias, size = (float(tally[place]) for place in _LIMITED)
+    return shape, trias, size

@@ -11,8 +11,17 @@ from meshops.criteria import NAMES, SIZES, Scoring
 from meshops.errors import InputError
 from meshops.kernels import quality as kernel
 from meshops.kernels import surface
-from meshops.kernels.measures import CHORDAL_DEV
+from meshops.kernels.measures import (
+    CHORDAL_DEV,
+    MAX_ANGLE_QUAD,
+    MAX_ANGLE_TRIA,
+    MIN_ANGLE_QUAD,
+    MIN_ANGLE_TRIA,
+)
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
+
+SHAPES = [row for row, name in enumerate(NAMES[: kernel.CRITERIA]) if name not in SIZES]
+"""Rows of the criteria of shape among those of elements."""
 
 
 def element_values(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | None = None) -> Floats:
@@ -22,7 +31,7 @@ def element_values(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | Non
     does not apply to the element; chordal deviation is NaN without a reference surface.
     """
     values = np.empty((len(mesh.elements), kernel.CRITERIA))
-    kernel.measure_elements(mesh.points, mesh.elements, scoring.criteria.normalised_size, values)
+    kernel.measure_elements(mesh.points, mesh.elements, scoring.sizing, values)
     if reference is not None:
         values[:, CHORDAL_DEV] = chordal_deviation(mesh, reference)
     return values
@@ -81,6 +90,16 @@ def index_of_penalties(penalties: Floats, scoring: Scoring) -> Floats:
     mean = np.divide(passing, total, out=np.zeros(len(penalties)), where=total > 0.0)
     index: Floats = mean + np.where(failing, weighted, 0.0).sum(axis=1)
     return index
+
+
+def angle_extremes(mesh: ShellMesh) -> tuple[Floats, Floats]:
+    """Smallest and largest angle of each element, (M,) degrees; over 180 in a concave corner."""
+    values = np.empty((len(mesh.elements), kernel.CRITERIA))
+    kernel.measure_elements(mesh.points, mesh.elements, np.zeros(7), values)
+    is_tria = mesh.is_tria
+    least = np.where(is_tria, values[:, MIN_ANGLE_TRIA], values[:, MIN_ANGLE_QUAD])
+    most = np.where(is_tria, values[:, MAX_ANGLE_TRIA], values[:, MAX_ANGLE_QUAD])
+    return least, most
 
 
 def median_edge(mesh: ShellMesh) -> float:

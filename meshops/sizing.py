@@ -25,7 +25,7 @@ COLUMNS = ("x", "y", "z", "size")
 NEIGHBOURS = 4
 """Nearest samples that the size at a place follows from."""
 
-SMOOTHING_ROUNDS = 3
+SMOOTHING_ROUNDS = 4
 
 
 class SizeField(Protocol):
@@ -88,9 +88,10 @@ class SizeSamples:
 
     @classmethod
     def of(cls, mesh: ShellMesh) -> Self:
-        """Sample the mesh's own gradation: at each node the mean length of its edges.
+        """Sample the mesh's own gradation: at each node the geometric mean of its edges' lengths.
 
-        Averaged over neighbours a few times, so that one bad element does not ask for its like.
+        That of a rectangle is the edge of a square as large. Averaged over neighbours a few times,
+        so that one bad element does not ask for its like.
         InputError for a mesh without elements.
         """
         if not len(mesh.elements):
@@ -98,16 +99,18 @@ class SizeSamples:
         start, end = topology(mesh).edges.T
         count = len(mesh.points)
         lengths = np.linalg.norm(mesh.points[end] - mesh.points[start], axis=1)
+        known = lengths > 0.0
+        if not known.any():
+            raise InputError("elements without any length leave no size: give the element size")
+        start, end, logarithms = start[known], end[known], np.log(lengths[known])
         edges = np.bincount(start, minlength=count) + np.bincount(end, minlength=count)
         used = edges > 0
-        total = np.bincount(start, lengths, count) + np.bincount(end, lengths, count)
+        total = np.bincount(start, logarithms, count) + np.bincount(end, logarithms, count)
         sizes = np.divide(total, edges, out=np.zeros(count), where=used)
         for _ in range(SMOOTHING_ROUNDS):
             around = np.bincount(start, sizes[end], count) + np.bincount(end, sizes[start], count)
             sizes = (sizes + around) / (1 + edges)
-        if not (sizes[used] > 0.0).all():
-            raise InputError("elements without any length leave no size: give the element size")
-        return cls.build(mesh.points[used], sizes[used])
+        return cls.build(mesh.points[used], np.exp(sizes[used]))
 
     @cached_property
     def digest(self) -> str:
@@ -169,6 +172,18 @@ def _corners(mesh: ShellMesh) -> Floats:
     corners: Floats = mesh.points[mesh.elements]
     corners[mesh.is_tria, 3] = corners[mesh.is_tria, 2]
     return corners
+
+
+def local_growth(sizes: SizeField, places: Floats) -> tuple[float, tuple[float, ...]]:
+    """Find the size in the middle of places (n, 3), and how its logarithm grows there.
+
+    Returns the size and six numbers: the gradient that fits best, and the middle.
+    """
+    middle = places.mean(axis=0)
+    logarithms = np.log(sizes.at(places))
+    mean = float(logarithms.mean())
+    gradient = np.linalg.lstsq(places - middle, logarithms - mean, rcond=1e-6)[0]
+    return math.exp(mean), (*gradient.tolist(), *middle.tolist())
 
 
 def parse_size(text: str, mesh: ShellMesh) -> SizeField:

@@ -152,7 +152,7 @@ def subdomains(
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]
     # The sides of all elements are odd in number where the trias are, and so is the border, since
     # each inner edge has two sides: one tria is what the border asks for, two are not.
-    failing, is_tria = workpiece.failing, workpiece.mesh.is_tria
+    failing, is_tria = workpiece.mendable, workpiece.mesh.is_tria
     gaining = [
         rows
         for rows in np.split(chosen[order], ends)
@@ -173,9 +173,9 @@ def places(workpiece: Workpiece) -> Ints:
     if not count:
         return np.zeros(0, np.int32)
     trias = np.bincount(zones[inside & mesh.is_tria], minlength=count)
-    failing = np.bincount(zones[inside & workpiece.failing], minlength=count)
+    failing = np.bincount(zones[inside & workpiece.mendable], minlength=count)
     excess = trias > zone_border_edges(workpiece) % 2
-    bad = (workpiece.failing | (mesh.is_tria & excess[zones])) & inside
+    bad = (workpiece.mendable | (mesh.is_tria & excess[zones])) & inside
     bad &= (failing > 0)[zones] | excess[zones]
     rows = workpiece.bad_elements
     return rows[bad[rows]]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
+from meshops.assessment import Assessment
+from meshops.bounds import bounds_of
 from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
@@ -14,6 +17,8 @@ from meshops.kernels.patches import rings_around
 from meshops.kernels.quality import (
     FAILED,
     IRREGULAR,
+    SHAPE_FAILED,
+    SIZE,
     TRIAS,
     penalise,
     tally_elements,
@@ -22,8 +27,13 @@ from meshops.kernels.quality import (
 from meshops.kernels.regularity import irregular_change, irregular_nodes
 from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ints, ShellMesh
-from meshops.quality import element_values, failing_penalties, index_of_penalties
-from meshops.sizing import SizeField, at_even_size
+from meshops.quality import (
+    SHAPES,
+    element_values,
+    failing_penalties,
+    index_of_penalties,
+)
+from meshops.sizing import LOCAL, SizeField, at_even_size
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology
 
@@ -43,6 +53,10 @@ class Setting:
         Degrees from which the edge between two elements is a feature.
     sizes : SizeField or None
         The wanted size by place, where it is not the same everywhere: lengths are judged by it.
+    gradation : SizeField or None
+        The same within a subdomain too, which is searched at one size: the guard judges by it.
+    keeps_sizes : bool
+        Whether these sizes are those that the mesh had, and it is to keep them.
     outside : (b,) int32 or None
         Of a subdomain, whose border nodes have the ids from 1 to b: how many elements of the mesh
         around it meet at each of them; -1 where any number may.
@@ -55,8 +69,36 @@ class Setting:
     element_size: float | None = None
     feature_angle: float = FEATURE_ANGLE
     sizes: SizeField | None = None
+    gradation: SizeField | None = None
+    keeps_sizes: bool = False
     outside: Ints | None = None
     slides: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        mesh: ShellMesh,
+        assessment: Assessment,
+        fitness: Fitness,
+        *,
+        element_size: float | None,
+        feature_angle: float,
+        slides: bool,
+    ) -> Self:
+        """Set a run up on a mesh that is judged by an assessment."""
+        scoring = assessment.scoring
+        if fitness.kind != "trias":
+            scoring = replace(scoring, bounds=bounds_of(mesh))
+        return cls(
+            scoring=scoring,
+            fitness=fitness,
+            element_size=element_size,
+            feature_angle=feature_angle,
+            sizes=assessment.sizes,
+            gradation=assessment.sizes,
+            keeps_sizes=assessment.gradation == LOCAL,
+            slides=slides,
+        )
 
     def at_even_size(self, mesh: ShellMesh) -> ShellMesh:
         """Bring each element to the size that `scoring` judges lengths by, apart from the others.
@@ -190,7 +232,7 @@ class Workpiece:
     def accepts(self, tally: Floats) -> bool:
         """Whether a mesh with this tally (TALLY_SIZE,) is fitter or has as many faults."""
         before, after = self.fitness(np.stack([self.tally, tally]))
-        faults = [FAILED, TRIAS]
+        faults = [SHAPE_FAILED, FAILED, TRIAS]
         return bool(after > before) or bool((tally[faults] == self.tally[faults]).all())
 
     @cached_property
@@ -201,21 +243,55 @@ class Workpiece:
         return failing
 
     @cached_property
+    def failing_by_shape(self) -> Bools:
+        """(M,) bool: which elements fail a criterion of shape."""
+        fails = failing_penalties(self._penalties[:, SHAPES], self.setting.scoring)
+        failing: Bools = np.any(fails, axis=1)
+        return failing
+
+    @cached_property
+    def in_regular_rows(self) -> Bools:
+        """(M,) bool: elements that fail by size alone, in rows that no irregular node is near.
+
+        Neither a tria nor an element that fails by shape shares a node with them: what mends their
+        size is another density and no other arrangement, so they are left alone.
+        """
+        elements = self.mesh.elements
+        is_node = elements != NO_NODE
+        near = self.irregular.copy()
+        amiss = self.failing_by_shape | self.mesh.is_tria
+        near[elements[amiss][is_node[amiss]]] = True
+        rows: Bools = self.failing & ~amiss & ~(near[elements] & is_node).any(axis=1)
+        return rows
+
+    @property
+    def severity_in_rows(self) -> float:
+        """Severity of the faults of size in regular rows."""
+        rows = self.mesh.elements[self.in_regular_rows]
+        return float(self.tally_of(self.mesh.points, rows)[SIZE])
+
+    @cached_property
+    def mendable(self) -> Bools:
+        """(M,) bool: elements that fail, but for those in regular rows."""
+        mendable: Bools = self.failing & ~self.in_regular_rows
+        return mendable
+
+    @cached_property
     def bad_elements(self) -> Ints:
         """Rows of the elements that fail or are trias, worst first.
 
         Where there are none, of those with an irregular node; where there is none either, of all.
-        Failing elements come first, by their Q.I., then trias; equals in the order of their rows.
-        Elements that no operation may take out are left out.
+        Elements that fail by shape come first, then others by their Q.I.; equals in the order of
+        their rows. Elements that no operation may take out are left out.
         """
         mesh = self.mesh
         editable = self.topology.editable
-        for chosen in (self.failing | mesh.is_tria, self.irregular_elements, editable):
+        for chosen in (self.mendable | mesh.is_tria, self.irregular_elements, editable):
             bad = np.nonzero(chosen & editable)[0]
             if len(bad):
                 break
         index = index_of_penalties(self._penalties[bad], self.setting.scoring)
-        order = np.lexsort((bad, -np.round(index, 9), ~self.failing[bad]))
+        order = np.lexsort((bad, -np.round(index, 9), ~self.failing_by_shape[bad]))
         return bad[order].astype(np.int32)
 
     @cached_property

@@ -31,7 +31,7 @@ ANNEAL = Anneal()
 EVERYWHERE = 40
 MILD, LONG = 2, 3
 NO_GROUND = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 4)), 0.0, 0.0)
-PRICES = (8.0, 6.0, 0.3, 10.0)
+PRICES = (10.0, 6.0, 0.3, 10.0, 6.0)
 
 
 def workpiece(mesh, size=1.0, element_size=None):

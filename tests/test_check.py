@@ -164,7 +164,7 @@ def test_what_a_run_judges_by_stands_in_all_its_records(call, deck: Path, tmp_pa
     (started,) = (e for e in read_journal(run) if isinstance(e, RunStarted))
     assert judged["levels"]["skew"]["fail"] == 25.0
     assert started.settings["judged-size"] == judged["size"]
-    assert started.settings["gradation"] == judged["gradation"] == "even"
+    assert started.settings["gradation"] == judged["gradation"] == "local"
     assert "fail = 25.0" in str(started.settings["levels"])
     # the user's file may change or go: the run has its own
     (tmp_path / "mine.toml").unlink()

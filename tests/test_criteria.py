@@ -164,7 +164,7 @@ def test_toml_without_a_base_is_off_where_it_says_nothing(tmp_path):
     criteria = load_criteria(file(tmp_path, text, "our-lengths.toml"))
     assert criteria.name == "our-lengths"
     assert [c.name for c in criteria.criteria if c.active] == ["min size"]
-    assert criteria.at(77.0).levels[0].tolist() == [5, 4.5, 2, 1, 0.5]
+    assert criteria.at(77.0).levels[0].tolist() == [5, 4.5, 2, 1, 0.5, -np.inf]
 
 
 TOML_ERRORS = {

@@ -138,7 +138,7 @@ def test_a_ledger_forgets_no_task_that_runs_and_counts_each_submission_for_itsel
     monkeypatch.setattr(ledger.ray, "get_runtime_context", lambda: here)
     book = ledger._Ledger(1.0)
     elements = int(REMEMBERED_BYTES / BYTES_AN_ELEMENT / 2)  # so large that two are remembered
-    parcel = ledger.Parcel(0, b"problem", b"mesh", elements, 0, True, ())  # noqa: FBT003
+    parcel = ledger.Parcel(0, b"problem", b"mesh", elements, {"is_whole": True})
     tasks = [Task(str(number), 0, 0) for number in range(10)]
     for _ in range(3):
         for task in tasks:

@@ -32,7 +32,7 @@ def job(size: str | float | None) -> Job:
 
 
 def test_a_gradation_is_no_fault() -> None:
-    even, local = job(None), job("local")
+    even, local = job("even"), job(None)
     assert local.quality(local.mesh).failed < even.quality(even.mesh).failed / 4
 
 

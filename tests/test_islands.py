@@ -24,7 +24,7 @@ from islands.integration_ga import (
 from islands.island import IslandPlan, IslandState, OwnFitness, step
 from islands.migration import Migration
 from islands.procedure import perform_steps
-from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
+from meshops.kernels.quality import SHAPE, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import NOTHING
 from tests.decks import bad_plate
@@ -194,7 +194,7 @@ def test_evaluation_stops_where_it_is_enough(mesh: ShellMesh) -> None:
 def test_a_work_is_solved_with_no_failed_element_and_the_fewest_trias(mesh: ShellMesh) -> None:
     def tally(failed: int, trias: int) -> np.ndarray:
         values = np.zeros(TALLY_SIZE)
-        values[[FAILED, TRIAS]] = failed, trias
+        values[[SHAPE, TRIAS]] = failed, trias
         return values
 
     odd, never = Work(problem_of(mesh), mesh, 1), Work(problem_of(mesh), mesh)

@@ -34,7 +34,8 @@ TRIA = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, sqrt(3) / 2, 0]])
 def measure(points, *, normalised=False, order=(0, 1, 2, 3)):
     values = np.full(CRITERIA, -7.0)
     nodes = (*order[: len(points)], -1)[:4]
-    measure_element(np.ascontiguousarray(points, float), *nodes, normalised, values)
+    sizing = np.array([normalised, 0, 0, 0, 0, 0, 0], float)
+    measure_element(np.ascontiguousarray(points, float), *nodes, sizing, values)
     return values
 
 

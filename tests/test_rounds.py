@@ -14,7 +14,7 @@ from islands.rates import adapted_rates, credits_of, first_credit, named_rates
 from islands.rounds import moving_on
 from islands.run import Finished, run
 from meshops.examples import plate
-from meshops.kernels.quality import FAILED, TALLY_SIZE, TRIAS
+from meshops.kernels.quality import SHAPE_FAILED, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.subdomain import Extent
@@ -313,7 +313,7 @@ def test_trias_come_first_where_nothing_fails_and_then_both_faults_in_turn(
     cycle: int, failed: int, trias: int, kind: str
 ) -> None:
     tally = np.zeros(TALLY_SIZE)
-    tally[[FAILED, TRIAS]] = failed, trias
+    tally[[SHAPE_FAILED, TRIAS]] = failed, trias
     problem = moving_on(problem_of(plate()), cycle, tally)
     assert problem.fitness.kind == kind
     assert problem.drifts == (cycle > 0)

@@ -60,7 +60,7 @@ def test_one_small_element_hardly_changes_the_local_size():
     near = np.linalg.norm(points[:, :2] - 4.5, axis=1) < 1
     points[near] = (4.5, 4.5, 0) + 0.1 * (points[near] - (4.5, 4.5, 0))
     field = parse_size("local", with_(mesh, points=points))
-    assert field.at(np.array([(4.5, 4.5, 0.0)]))[0] > 0.8
+    assert field.at(np.array([(4.5, 4.5, 0.0)]))[0] > 0.75
 
 
 def test_local_sizes_leave_out_nodes_without_elements():

@@ -41,7 +41,7 @@ from tests.wholeness import assert_nothing_locked_has_changed
 from tracking.events import RoundReport
 
 ALL_KINDS = FLAT_KINDS + CURVED_KINDS
-TOLERANCE = 0.1
+TOLERANCE = 0.01
 SLIDE = Slide()
 PLACES = st.lists(
     st.tuples(st.integers(1, 12), st.sampled_from(RINGS), st.integers(0, 2)), min_size=1, max_size=2
@@ -104,10 +104,16 @@ def test_a_narrow_strip_passes_once_its_edges_across_are_askew():
     assert np.abs(after.points[:, 1:] - mesh.points[:, 1:]).max() <= TOLERANCE * 5
 
 
-def test_a_run_on_a_narrow_strip_slides_and_is_replayed_bit_for_bit():
+def test_a_run_leaves_a_strip_of_rectangles_that_fail_by_size_alone():
     mesh = narrow()
     done = finish(job(mesh, rounds=8))
-    assert done.after.failed <= 2 < done.before.failed
+    assert done.before.failed_by_size == len(mesh.elements)
+    assert done.mesh.digest == mesh.digest
+
+
+def test_a_run_that_slides_is_replayed_bit_for_bit():
+    mesh = bad_plate()
+    done = finish(job(mesh, rounds=8))
     assert any(s.code == SLIDE.code for r in done.procedure.rounds for p in r.places
                for s in p.steps)  # fmt: skip
     text = done.procedure.to_json(ALL_OPERATIONS)
@@ -120,7 +126,6 @@ def test_without_sliding_all_borders_stay_as_they_are():
     mesh = narrow()
     done = finish(job(mesh, rounds=8, slide=False))
     assert barriers(done.mesh) == barriers(mesh)
-    assert done.after.failed > 2
 
 
 # --- which nodes may slide ----------------------------------------------------------------------
@@ -222,7 +227,7 @@ def test_a_seam_of_three_plates_does_not_move():
     mesh = joined(skin, with_(wall, points=wall.points * (1.0, 1.0, 0.4)))
     mesh = with_(mesh, points=5.0 * mesh.points)
     done = finish(job(mesh, rounds=6))
-    assert faults(done.mesh) < faults(mesh)
+    assert faults(done.mesh) <= faults(mesh)
     seam = {edge: count for edge, count in barriers(mesh).items() if count > 2}
     assert seam
     assert {edge: count for edge, count in barriers(done.mesh).items() if count > 2} == seam
@@ -237,7 +242,8 @@ def test_nothing_slides_without_the_borders_of_a_first_mesh():
 
 @pytest.mark.parametrize("slides", [True, False])
 def test_whether_it_slides_is_known_to_a_subdomain(slides):
-    mesh = narrow()
+    mesh = shaped(narrow(), lambda x, y: (x + 3.5 * (abs(x - 30) < 1) * (y < 1), y, 0 * x))
+    mesh = with_(mesh, locked_nodes=narrow().locked_nodes)
     piece = Workpiece(mesh, replace(setting(mesh, PAPER, 5.0), slides=slides))
     (whole,) = subdomains(piece, Extent(99, 999), 0)
     assert isinstance(whole, Subdomain)

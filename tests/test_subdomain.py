@@ -170,9 +170,11 @@ def test_regions_and_folds_end_a_subdomain():
 def test_the_worst_elements_come_first_and_sound_quads_only_where_there_is_nothing_else(mesh):
     piece = workpiece(mesh)
     index = np.round(element_index(mesh, piece.setting.scoring), 9)
-    failing, editable = piece.failing, np.nonzero(piece.topology.editable)[0].tolist()
-    bad = [row for row in editable if failing[row] or mesh.is_tria[row]] or editable
-    worst_first = sorted(bad, key=lambda row: (not failing[row], -index[row], row))
+    editable = np.nonzero(piece.topology.editable)[0].tolist()
+    bad = [row for row in editable if piece.mendable[row] or mesh.is_tria[row]]
+    bad = bad or [row for row in editable if piece.irregular_elements[row]] or editable
+    by_shape = piece.failing_by_shape
+    worst_first = sorted(bad, key=lambda row: (not by_shape[row], -index[row], row))
     assert piece.bad_elements.tolist() == worst_first
 
 

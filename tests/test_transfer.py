@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from islands.procedure import Procedure, perform
+from islands.procedure import Procedure, perform_rounds
 from islands.run import Finished
 from islands.transfer import transfer
 from meshops.errors import InputError
@@ -34,7 +34,7 @@ def mirrored(mesh: ShellMesh) -> ShellMesh:
 
 def transferred(procedure: Procedure, mesh: ShellMesh) -> ShellMesh:
     after, rounds = transfer(procedure, mesh, ALL_OPERATIONS, setting_of(mesh))
-    again = perform(mesh, rounds, ALL_OPERATIONS, setting_of(mesh))
+    again = perform_rounds(mesh, rounds, ALL_OPERATIONS, setting_of(mesh))
     assert again.digest == after.digest
     return after
 

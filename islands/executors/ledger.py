@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import os
 from collections import Counter, OrderedDict
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,6 @@ from islands.integration_ga import (
 )
 from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import ShellMesh
-from meshops.operations.smooth import Smoothing
 
 TRIES = 4
 """Processes that an operation GA may end before it has no answer."""
@@ -93,31 +92,33 @@ class Parcel:
     problem, mesh : ObjectRef
     elements : int
         Of the mesh.
-    least_trias : int
-    is_whole : bool
-    polish : tuple of str
-        As those of the work.
+    terms : dict
+        The other fields of the work.
     """
 
     batch: int
     problem: Any
     mesh: Any
     elements: int
-    least_trias: int
-    is_whole: bool
-    polish: tuple[Smoothing, ...]
+    terms: Mapping[str, Any]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the work is a mesh as one place."""
+        return bool(self.terms["is_whole"])
 
     @classmethod
     def of(cls, work: Work, batch: int) -> Parcel:
         """Put a work there."""
         problem, mesh = ray.put(work.problem), ray.put(work.mesh)
-        elements = len(work.mesh.elements)
-        return cls(batch, problem, mesh, elements, work.least_trias, work.is_whole, work.polish)
+        names = {field.name for field in fields(work)} - {"problem", "mesh"}
+        terms = {name: getattr(work, name) for name in names}
+        return cls(batch, problem, mesh, len(work.mesh.elements), terms)
 
     def open(self) -> Work:
         """Take the work out."""
         problem, mesh = ray.get([self.problem, self.mesh])
-        return Work(problem, mesh, self.least_trias, self.is_whole, self.polish)
+        return Work(problem, mesh, **self.terms)
 
 
 class _Ledger:

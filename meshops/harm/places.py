@@ -16,6 +16,15 @@ SLACK = 1e-4
 """Fall of a scaled Jacobian, or rise of a severity, that is rounding of coordinates."""
 
 
+def _limit(criterion: str) -> str:
+    """Name the limit that a criterion is: one angle is too small in a quad and in a tria alike."""
+    return criterion.removesuffix(" quad").removesuffix(" tria")
+
+
+LIMITS = tuple(dict.fromkeys(_limit(name) for name in SHAPE))
+"""Limits of shape."""
+
+
 @dataclass(frozen=True, eq=False)
 class Judged:
     """A mesh with what has been measured of its elements and nodes.
@@ -86,7 +95,7 @@ def judge_places(before: Judged, after: Judged, changes: Changes) -> Places:
 
 @dataclass(frozen=True, eq=False)
 class _Sums:
-    """Sums of P places, (P,) each; `severity` is the (P, 8) worst by each limit of shape."""
+    """Sums of P places, (P,) each; `severity` is the (P, L) worst by each limit of shape."""
 
     elements: Ids
     faults: Ids
@@ -100,10 +109,11 @@ class _Sums:
     def of(cls, judged: Judged, place: Ids, count: int) -> _Sums:
         rows = np.flatnonzero(place >= 0)
         at, mesh = place[rows], judged.mesh
-        severity = np.zeros((count, len(SHAPE)))
-        for k, name in enumerate(SHAPE):
+        severity = np.zeros((count, len(LIMITS)))
+        for name in SHAPE:
             if name in judged.failures.severity:
-                np.maximum.at(severity[:, k], at, judged.failures.severity[name][rows])
+                column = severity[:, LIMITS.index(_limit(name))]
+                np.maximum.at(column, at, judged.failures.severity[name][rows])
         quality = judged.shapes.scaled_jacobian[rows]
         least = np.full(count, np.inf)
         np.minimum.at(least, at, quality)

@@ -3,7 +3,6 @@
 Whether it stays whole is found without looking at places (kernels.exchanging), then whether all
 elements that come or whose nodes move are sound, then what they add to the tally.
 """
-# ruff: noqa: FBT001 - compiled functions take no keyword-only arguments
 
 from __future__ import annotations
 
@@ -112,12 +111,12 @@ def _put_in(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> None:
     """Add an element to a tally; a function, so that it is compiled in once."""
     add_element(
         tally, points, element[0], element[1], element[2], element[3], 1.0, values,
-        levels, weights, active, penalties, normalised,
+        levels, weights, active, penalties, sizing,
     )  # fmt: skip
 
 
@@ -130,10 +129,10 @@ def _take_out(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> None:
     """Take an element of the mesh out of a tally by its measures (12,)."""
-    add_values(tally, values, element[3] < 0, -1.0, levels, weights, active, penalties, normalised)
+    add_values(tally, values, element[3] < 0, -1.0, levels, weights, active, penalties, sizing)
 
 
 @inlined
@@ -192,7 +191,7 @@ def judge_candidates(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> tuple[Floats, Floats, Floats]:
     """Tally of the mesh after each candidate alone.
 
@@ -210,7 +209,7 @@ def judge_candidates(
         Measures of the elements as they are.
     tally : (TALLY_SIZE,) float64
         The tally of the whole mesh.
-    levels, weights, active, penalties, normalised
+    levels, weights, active, penalties, sizing
         The scoring.
 
     Returns
@@ -265,24 +264,20 @@ def judge_candidates(
             row = tallies[k]
             row[:] = tally
             for e in goes:
-                _take_out(
-                    row, elements[e], values[e], levels, weights, active, penalties, normalised
-                )
+                _take_out(row, elements[e], values[e], levels, weights, active, penalties, sizing)
             for i in range(len(comes)):
                 _centre(places, comes[i], centres[added_start[k] + i])
                 _put_in(
                     row, places, comes[i], scratch,
-                    levels, weights, active, penalties, normalised,
+                    levels, weights, active, penalties, sizing,
                 )  # fmt: skip
             row[IRREGULAR] += irregular_change(goes, comes, elements, start, outside, counts)
             for i in range(touched):
                 e = affected[i]
-                _take_out(
-                    row, elements[e], values[e], levels, weights, active, penalties, normalised
-                )
+                _take_out(row, elements[e], values[e], levels, weights, active, penalties, sizing)
                 _put_in(
                     row, places, elements[e], scratch,
-                    levels, weights, active, penalties, normalised,
+                    levels, weights, active, penalties, sizing,
                 )  # fmt: skip
         for node in moves:
             places[node] = points[node]

@@ -5,8 +5,9 @@ size; of an inner node, whether it is irregular, that is whether other than four
 there. See :mod:`meshops.kernels.living` for ``live`` and :mod:`meshops.kernels.node_scores` for
 ``ground`` and ``scoring``. And:
 
-prices : (4,)
-    What a failing element, a tria, an irregular node and an element that is not sound cost.
+prices : (5,)
+    What a fault of shape, a tria, an irregular node, an element that is not sound and a fault of
+    size cost.
 site : plane (3,), ground, outside (N,), fixed, area, wanted
     The normal of a plane patch, (0, 0, 0) where it is curved and `ground` counts; how many elements
     outside of the patch meet at a node, -1 where any number may; how many nodes stay where they
@@ -20,11 +21,11 @@ from __future__ import annotations
 from math import log
 
 from meshops.kernels.living import Live
-from meshops.kernels.node_scores import Ground, Scoring, centre, element_quality, foot, soundness
-from meshops.kernels.vectors import Vector, area_vector, compiled, length
+from meshops.kernels.node_scores import Ground, Scoring, centre, element_faults, foot, soundness
+from meshops.kernels.vectors import Vector, area_vector, compiled, inlined, length
 from meshops.mesh import Floats, Ints
 
-Prices = tuple[float, float, float, float]
+Prices = tuple[float, float, float, float, float]
 Wanted = tuple[Floats, Floats, float]
 Site = tuple[Floats, Ground, Ints, int, float, Wanted]
 
@@ -34,9 +35,9 @@ SOUND = 0.05
 FAR_FROM_REGULAR = 1.5
 """What each element too many or too few at a node costs beyond the first, over what that costs."""
 
-MOST_INDEX = 4.0
-"""Q.I. of an element from which it costs the whole price of failing, so that what barely fails has
-a way back, and what fails by far one out."""
+LEAST_FAULT, MOST_FAULT, FAULT_SLOPE = 0.6, 1.2, 0.1
+"""Of the whole price: what the least fault costs, the most, and what each more severity adds, so
+that what barely fails costs more than a tria and what fails by far has a way back."""
 
 OFF_SIZE = 0.25
 """What an element costs that has e times the area that is wanted there, or an e-th of it."""
@@ -60,6 +61,11 @@ def _size_off(area: float, place: Vector, wanted: Wanted) -> float:
     return log(max(area, 1e-12 * size * size) / (size * size))
 
 
+@inlined
+def _fault_cost(severity: float) -> float:
+    return min(LEAST_FAULT + FAULT_SLOPE * severity, MOST_FAULT) if severity > 0.0 else 0.0
+
+
 @compiled
 def element_cost(
     live: Live, e: int, site: Site, prices: Prices, values: Floats, scoring: Scoring
@@ -69,14 +75,15 @@ def element_cost(
     element = elements[e]
     if element[0] < 0:
         return 0.0
-    failed, index = element_quality(points, element, values, scoring)
+    shape, size, index = element_faults(points, element, values, scoring)
     a, b, c, d = element[0], element[1], element[2], element[3]
     area = length(area_vector(points, a, b, c, d))
     # by area, so that a mesh does not get better by having fewer elements
     away = _size_off(area if d >= 0 else 2.0 * area, centre(points, element), site[5])
     share = area / site[4]
-    cost: float = share * OFF_SIZE * away * away + failed * prices[0] * min(index / MOST_INDEX, 1.0)
-    if failed == 0.0:
+    cost: float = share * OFF_SIZE * away * away
+    cost += prices[0] * _fault_cost(shape) + prices[4] * _fault_cost(size)
+    if shape + size == 0.0:
         cost += share * index
     if element[3] < 0:
         cost += prices[1]

@@ -6,7 +6,7 @@ Definitions: Altair's element checks for HyperMesh and OptiStruct.
 
 from __future__ import annotations
 
-from math import acos, asin, atan2, degrees, inf, nan, sqrt
+from math import acos, asin, atan2, degrees, exp, inf, nan, sqrt
 
 from meshops.kernels.vectors import (
     Vector,
@@ -60,7 +60,7 @@ def _turned(turn: float) -> float:
 
 @inlined
 def measure_element(
-    points: Floats, a: int, b: int, c: int, d: int, normalised: bool, values: Floats
+    points: Floats, a: int, b: int, c: int, d: int, sizing: Floats, values: Floats
 ) -> None:
     """Write the twelve measures of one element into ``values``.
 
@@ -69,18 +69,29 @@ def measure_element(
     points : (N, 3) float64
     a, b, c, d : int
         Node rows in order around the element; ``d`` is -1 for a tria.
-    normalised : bool
-        Minimal normalised height instead of the shortest edge.
+    sizing : (7,) float64
+        Not 0: the minimal normalised height instead of the shortest edge. Then a gradient (3,) and
+        a place (3,): lengths are over the wanted size there, whose logarithm has that gradient, so
+        that an element is measured as if it lay in that place.
     values : (12,) float64
         Lengths in the unit of ``points``, angles in degrees. NaN where a criterion does not apply
         (angles of the other kind) or is not measured here (chordal deviation). An element without
         area or with an edge of no length gets the worst there is where a measure is undefined.
     """
+    normalised = sizing[0] != 0.0
     if d < 0:
         _measure_tria(points, a, b, c, normalised, values)
     else:
         _measure_quad(points, a, b, c, d, normalised, values)
     values[CHORDAL_DEV] = nan
+    if sizing[1] != 0.0 or sizing[2] != 0.0 or sizing[3] != 0.0:
+        growth = 0.0
+        for axis in range(3):
+            total = points[a, axis] + points[b, axis] + points[c, axis]
+            middle = total / 3.0 if d < 0 else (total + points[d, axis]) / 4.0
+            growth += sizing[1 + axis] * (middle - sizing[4 + axis])
+        values[MIN_SIZE] *= exp(-growth)
+        values[MAX_LENGTH] *= exp(-growth)
 
 
 @inlined
@@ -188,8 +199,8 @@ def _measure_quad(
 
 
 @compiled
-def measure_elements(points: Floats, elements: Ints, normalised: bool, values: Floats) -> None:
+def measure_elements(points: Floats, elements: Ints, sizing: Floats, values: Floats) -> None:
     """Write the measures of (M, 4) elements into (M, 12) ``values``."""
     for i in range(len(elements)):
         a, b, c, d = elements[i, 0], elements[i, 1], elements[i, 2], elements[i, 3]
-        measure_element(points, a, b, c, d, normalised, values[i])
+        measure_element(points, a, b, c, d, sizing, values[i])

@@ -1,5 +1,4 @@
 """Merging nodes in pairs: what is left of the elements around them, and how good it is."""
-# ruff: noqa: FBT001 - compiled functions take no keyword-only arguments
 
 from __future__ import annotations
 
@@ -133,7 +132,7 @@ def evaluate_merges(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """Tally of the mesh after merging pairs of nodes at once, for many choices of pairs.
 
@@ -155,7 +154,7 @@ def evaluate_merges(
         Measures of the elements.
     tally : (TALLY_SIZE,) float64
         The tally of the whole mesh.
-    levels, weights, active, penalties, normalised
+    levels, weights, active, penalties, sizing
         The scoring; where no criterion is active, elements are counted and not measured.
 
     Returns
@@ -220,7 +219,7 @@ def evaluate_merges(
             if measured:
                 add_values(
                     row, values[e], elements[e, 3] < 0, -1.0,
-                    levels, weights, active, penalties, normalised,
+                    levels, weights, active, penalties, sizing,
                 )  # fmt: skip
             else:
                 row[ELEMENTS] -= 1.0
@@ -244,7 +243,7 @@ def evaluate_merges(
             if measured:
                 add_element(
                     row, points, out[0], out[1], out[2], out[3], 1.0, scratch,
-                    levels, weights, active, penalties, normalised,
+                    levels, weights, active, penalties, sizing,
                 )  # fmt: skip
             else:
                 row[ELEMENTS] += 1.0

@@ -1,6 +1,6 @@
 """How good a node's place is: what the user's criteria say of the elements around it.
 
-That is how many fail, their highest Q.I., and the sum of their Q.I. or of its squares.
+That is how severe their faults are, their highest Q.I., and the sum of Q.I. or of its squares.
 
 Arguments that always travel together are tuples here:
 
@@ -10,8 +10,8 @@ ground : points (n, 3), trias (T, 3), spheres (T, 4), tolerance, least
     The surface, and how far from it the centre of an element may be; no trias where it is plane.
     Last the worst corner that an element may get.
 state : quality (M, 2), trial (M, 2), surface (M, 4), least (M,), values (12,)
-    Whether an element fails and its Q.I., as it is and in the trial at hand; the normal of the
-    surface under it and its distance from there; the soundness that it must keep; scratch.
+    The severity of an element's faults and its Q.I., as it is and in the trial at hand; the normal
+    of the surface under it and its distance from there; the soundness that it must keep; scratch.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from math import inf, isnan
 
 import numpy as np
 
-from meshops.kernels.measures import CRITERIA, measure_element
-from meshops.kernels.quality import SLACK, penalty_between
+from meshops.kernels.measures import ASPECT_RATIO, CRITERIA, measure_element
+from meshops.kernels.quality import SLACK, fault_of, penalty_between
 from meshops.kernels.soundness import FACING
 from meshops.kernels.surface import nearest
 from meshops.kernels.vectors import (
@@ -40,7 +40,7 @@ from meshops.mesh import Bools, Floats, Ints
 Net = tuple[Floats, Ints, Ints, Ints]
 Ground = tuple[Floats, Ints, Floats, float, float]
 State = tuple[Floats, Floats, Floats, Floats, Floats]
-Scoring = tuple[Floats, Floats, Bools, Floats, bool]
+Scoring = tuple[Floats, Floats, Bools, Floats, Floats]
 Score = tuple[float, float, float]
 
 LAPLACE, WORST, EVEN = 0, 1, 2
@@ -52,6 +52,9 @@ GAIN = 1e-6
 ROUNDING = 1e-12
 """Share by which a sum may differ with the order of its terms."""
 
+SIZE_SHARE = 1.0 / 1024.0
+"""What a fault of size counts over one of shape: all around a node together less than one."""
+
 REJECTED = (inf, inf, inf)
 
 
@@ -62,14 +65,14 @@ def row(array: Floats, i: int) -> Vector:
 
 
 @inlined
-def element_quality(
+def element_faults(
     points: Floats, element: Ints, values: Floats, scoring: Scoring
-) -> tuple[float, float]:
-    """Whether an element fails (1 or 0), and its Q.I. as `index_of_penalties` has it."""
-    levels, weights, active, penalties, normalised = scoring
-    measure_element(points, element[0], element[1], element[2], element[3], normalised, values)
+) -> tuple[float, float, float]:
+    """Severity of an element's faults of shape and of size, and its Q.I. as it is reported."""
+    levels, weights, active, penalties, sizing = scoring
+    measure_element(points, element[0], element[1], element[2], element[3], sizing, values)
     limit = penalties[3] + SLACK
-    failed, failing, passing, weight = 0.0, 0.0, 0.0, 0.0
+    shape, size, failing, passing, weight = 0.0, 0.0, 0.0, 0.0, 0.0
     for c in range(CRITERIA):
         if not active[c]:
             continue
@@ -79,14 +82,26 @@ def element_quality(
         )  # fmt: skip
         if isnan(p):
             continue
+        fault = fault_of(values[c], p, levels[c, 0], levels[c, 4], levels[c, 5], limit)
+        if c > ASPECT_RATIO:
+            shape += fault
+        else:
+            size += fault
         if p > limit:
-            failed = 1.0
             failing += weights[c] * p
         else:
             passing += weights[c] * p
             weight += weights[c]
-    index = failing + (passing / weight if weight > 0.0 else 0.0)
-    return failed, index
+    return shape, size, failing + (passing / weight if weight > 0.0 else 0.0)
+
+
+@inlined
+def element_quality(
+    points: Floats, element: Ints, values: Floats, scoring: Scoring
+) -> tuple[float, float]:
+    """Severity of an element's faults, shape before size, and its Q.I."""
+    shape, size, index = element_faults(points, element, values, scoring)
+    return shape + SIZE_SHARE * size, index
 
 
 @inlined
@@ -126,7 +141,7 @@ def foot(ground: Ground, place: Vector) -> tuple[Vector, Vector, float]:
 
 @inlined
 def is_better(new: Score, old: Score, method: int) -> bool:
-    """Whether a score is better: fewer elements fail, or as many and the sum is lower."""
+    """Whether a score is better: faults are less severe, or as severe and the sum is lower."""
     if new[0] != old[0]:
         return new[0] < old[0]
     if method == LAPLACE:
@@ -136,7 +151,7 @@ def is_better(new: Score, old: Score, method: int) -> bool:
 
 @inlined
 def score_now(net: Net, node: int, method: int, quality: Floats) -> Score:
-    """How many elements around a node fail, the highest Q.I., and the sum of Q.I. or squares."""
+    """Severity of the faults around a node, the highest Q.I., and the sum of Q.I. or squares."""
     _, _, start, around = net
     failed, highest, total = 0.0, 0.0, 0.0
     for i in range(start[node], start[node + 1]):

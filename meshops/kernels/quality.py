@@ -3,20 +3,23 @@
 Scoring travels as the five arguments of ``Scoring.arrays``, always last and in this order, so that
 a caller writes ``tally_elements(points, elements, *scoring.arrays)``:
 
-levels : (13, 5) float64
-    Values at which each criterion is ideal, good, warn, fail and worst.
+levels : (13, 6) float64
+    Values at which each criterion is ideal, good, warn, fail and worst, and the bound: the worst
+    that a changed element may have, infinite where just the fail level counts.
 weights : (13,) float64
 active : (13,) bool
 penalties : (5,) float64
     Penalty at ideal, good, warn, fail and worst.
-normalised : bool
-    Whether "min size" is the minimal normalised height instead of the shortest edge.
+sizing : (7,) float64
+    How lengths are measured, see :func:`meshops.kernels.measures.measure_element`.
 
 A tally is a float64 vector of ``TALLY_SIZE``. Criterion ``c`` has at ``4 * c`` the sum of the
 penalties that pass, then how many pass, the sum of those that fail, and how many fail. The last
-places count elements, quads, trias, failed elements and irregular nodes. Elements can be added and
-taken away, so an edit is scored by the elements that it touches. Irregular nodes do not follow from
-elements one by one: the functions here leave that place as it is, and a workpiece fills it.
+places count elements, quads, trias, failed elements, irregular nodes and elements that fail by
+shape, and add up the severity of faults of shape and of size: the penalties beyond the fail level,
+1 for what is just beyond its bound. Elements can be added and taken away, so an edit is scored by
+the elements that it touches. Irregular nodes do not follow from elements one by one: the functions
+here leave that place as it is, and a workpiece fills it.
 
 No function here allocates an element's scratch: the caller brings it.
 """
@@ -24,11 +27,12 @@ No function here allocates an element's scratch: the caller brings it.
 
 from __future__ import annotations
 
-from math import isfinite, isnan, nan
+from math import floor, inf, isfinite, isnan, nan
 
 import numpy as np
 
 from meshops.kernels.measures import (
+    ASPECT_RATIO,
     CRITERIA,
     PERCENT_TRIAS,
     measure_element,
@@ -39,11 +43,15 @@ from meshops.mesh import Bools, Floats, Ints
 
 __all__ = [
     "CRITERIA",
+    "DIRE",
     "ELEMENTS",
     "FAILED",
     "IRREGULAR",
     "PERCENT_TRIAS",
     "QUADS",
+    "SHAPE",
+    "SHAPE_FAILED",
+    "SIZE",
     "SLACK",
     "TALLY_SIZE",
     "TRIAS",
@@ -52,6 +60,7 @@ __all__ = [
     "compound_index",
     "compound_indices",
     "criterion_index",
+    "fault_of",
     "measure_element",
     "measure_elements",
     "order_meshes",
@@ -63,8 +72,21 @@ __all__ = [
     "tally_values",
 ]
 
-ELEMENTS, QUADS, TRIAS, FAILED, IRREGULAR = 48, 49, 50, 51, 52
-TALLY_SIZE = 53
+ELEMENTS, QUADS, TRIAS, FAILED, IRREGULAR, SHAPE_FAILED, SHAPE, SIZE = range(48, 56)
+TALLY_SIZE = 56
+
+GRAIN = float(2**20)
+"""Severities are whole multiples of 1 / GRAIN, so that sums of them are exact in any order."""
+
+DIRE = 30.0
+"""Severity by shape of an element that no solver takes, concave or folded: beyond the worst level
+by three limits. One tria may come where such a one goes."""
+
+HARM = 60.0
+"""What a harm costs over the least fault of shape: more than mending any one element gains."""
+
+WORST_SIZE = 31.0
+"""More than the severity by size that any element can have."""
 
 SLACK = 1e-9
 """Penalty beyond that of the fail level that is rounding, not failure."""
@@ -118,6 +140,18 @@ def _between(value: float, low: float, high: float, at_low: float, at_high: floa
 
 
 @inlined
+def fault_of(
+    value: float, p: float, ideal: float, worst: float, bound: float, limit: float
+) -> float:
+    """Severity of a value: its penalty beyond the limit, 1 where just its bound is broken, or 0."""
+    if p > limit:
+        return floor(p * GRAIN + 0.5) / GRAIN
+    if (value < bound * (1.0 - SLACK)) if worst < ideal else (value > bound * (1.0 + SLACK)):
+        return 1.0
+    return 0.0
+
+
+@inlined
 def add_values(
     tally: Floats,
     values: Floats,
@@ -127,11 +161,11 @@ def add_values(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> None:
     """Add (``sign`` +1) or take away (-1) an element by its (12,) measures."""
     limit = penalties[3] + SLACK
-    failed = False
+    failed = failed_by_shape = False
     for c in range(CRITERIA):
         if not active[c]:
             continue
@@ -147,8 +181,11 @@ def add_values(
         if isnan(p):
             continue
         place = 4 * c
+        fault = fault_of(values[c], p, levels[c, 0], levels[c, 4], levels[c, 5], limit)
+        tally[SHAPE if c > ASPECT_RATIO else SIZE] += sign * fault
         if p > limit:
             failed = True
+            failed_by_shape = failed_by_shape or c > ASPECT_RATIO
             place += 2
         tally[place] += sign * p
         tally[place + 1] += sign
@@ -156,6 +193,8 @@ def add_values(
     tally[TRIAS if is_tria else QUADS] += sign
     if failed:
         tally[FAILED] += sign
+    if failed_by_shape:
+        tally[SHAPE_FAILED] += sign
 
 
 @inlined
@@ -172,14 +211,14 @@ def add_element(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> None:
     """Add (``sign`` +1) or take away (-1) an element; ``values`` is (12,) scratch.
 
     Taking away needs the points as they were when the element was added.
     """
-    measure_element(points, a, b, c, d, normalised, values)
-    add_values(tally, values, d < 0, sign, levels, weights, active, penalties, normalised)
+    measure_element(points, a, b, c, d, sizing, values)
+    add_values(tally, values, d < 0, sign, levels, weights, active, penalties, sizing)
 
 
 @compiled
@@ -189,7 +228,7 @@ def penalise(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """(M, 12) penalties of (M, 12) measures; NaN where a criterion is inactive or not measured."""
     out = np.full(values.shape, nan)
@@ -208,14 +247,12 @@ def tally_values(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """Tally of a whole mesh by its (M, 12) measures."""
     tally = np.zeros(TALLY_SIZE)
     for i in range(len(values)):
-        add_values(
-            tally, values[i], is_tria[i], 1.0, levels, weights, active, penalties, normalised
-        )
+        add_values(tally, values[i], is_tria[i], 1.0, levels, weights, active, penalties, sizing)
     return tally
 
 
@@ -227,15 +264,15 @@ def tally_elements(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """Tally of (M, 4) elements, chordal deviation left out."""
     tally = np.zeros(TALLY_SIZE)
     values = np.empty(CRITERIA)
     for i in range(len(elements)):
         a, b, c, d = elements[i, 0], elements[i, 1], elements[i, 2], elements[i, 3]
-        measure_element(points, a, b, c, d, normalised, values)
-        add_values(tally, values, d < 0, 1.0, levels, weights, active, penalties, normalised)
+        measure_element(points, a, b, c, d, sizing, values)
+        add_values(tally, values, d < 0, 1.0, levels, weights, active, penalties, sizing)
     return tally
 
 
@@ -260,7 +297,7 @@ def compound_index(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> float:
     """Compound Q.I.: weighted mean over the criteria that pass plus the weighted sum of the rest.
 
@@ -294,7 +331,7 @@ def compound_indices(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """(P,) compound Q.I. of (P, TALLY_SIZE) tallies; NaN for a tally of NaN."""
     out = np.empty(len(tallies))
@@ -302,15 +339,15 @@ def compound_indices(
         if isnan(tallies[i, ELEMENTS]):
             out[i] = nan
         else:
-            out[i] = compound_index(tallies[i], levels, weights, active, penalties, normalised)
+            out[i] = compound_index(tallies[i], levels, weights, active, penalties, sizing)
     return out
 
 
 @compiled
 def order_meshes(
     tallies: Floats,
-    first: int,
-    second: int,
+    trias_first: bool,
+    limits: Floats,
     share: int,
     irregularity: float,
     prices: Floats,
@@ -319,13 +356,13 @@ def order_meshes(
     weights: Floats,
     active: Bools,
     penalties: Floats,
-    normalised: bool,
+    sizing: Floats,
 ) -> Floats:
     """(P,) fitness of (P, TALLY_SIZE) tallies, as ``Fitness`` has it.
 
-    `first` and `second` are the places in a tally that count first and second, `share` is what the
-    second and the irregular nodes are divided by, `irregularity` what these cost, `prices` (P,)
-    those of the operations, `invalid` the fitness of a tally of NaN.
+    `trias_first` lets trias and faults of shape change places. `limits` (TALLY_SIZE,) is what must
+    not be exceeded. `share` is what comes second is divided by, `irregularity` what irregular nodes
+    cost, `prices` (P,) what operations do, `invalid` the fitness of a tally of NaN.
     """
     out = np.empty(len(tallies))
     for i in range(len(tallies)):
@@ -333,8 +370,19 @@ def order_meshes(
         if not isfinite(tally[ELEMENTS]):
             out[i] = invalid
             continue
-        index = compound_index(tally, levels, weights, active, penalties, normalised)
+        shape, size, trias = tally[SHAPE], tally[SIZE], tally[TRIAS]
+        dire = floor(max(limits[SHAPE] - shape, 0.0) / DIRE)
+        harm = max(trias - limits[TRIAS] - dire, 0.0) + max(size - limits[SIZE], 0.0)
+        first, second = shape, trias
+        if trias_first:
+            harm += max(shape - limits[SHAPE], 0.0)
+            first, second = trias, shape / share
+        index = compound_index(tally, levels, weights, active, penalties, sizing)
         index += irregularity * tally[IRREGULAR] / share
         finish = (index / (1.0 + index) + prices[i]) / 2.0
-        out[i] = 100.0 - tally[first] - (tally[second] + finish) / share
+        if not 0.0 < limits[SHAPE] < inf:
+            # where shape is at fault, size is kept and not mended: what mends it spoils shape
+            finish += size
+        second += finish / (WORST_SIZE * share)
+        out[i] = 100.0 - first - HARM * harm - second / share
     return out

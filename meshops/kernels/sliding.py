@@ -6,7 +6,7 @@ often its nodes slide. For the tuples ``net``, ``ground``, ``state`` and ``scori
 
 line : neighbours (N, 2), rails (R, 2, 3), tolerance
     The neighbours of each node that slides, elsewhere -1; the edges that it slides along; and how
-    far from them it and its edges may be, of the mean length of its two border edges.
+    far from them it and its edges may be, of the shorter of its two border edges.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from meshops.kernels.node_scores import (
     Net,
     Scoring,
     State,
-    foot,
     is_better,
     row,
     score_now,
@@ -41,7 +40,6 @@ from meshops.kernels.vectors import (
     Vector,
     add,
     compiled,
-    cross,
     dot,
     length,
     scale,
@@ -54,11 +52,6 @@ Line = tuple[Ints, Floats, float]
 
 SAMPLES = 4
 """Parts into which an edge is divided to see whether it follows the border."""
-
-STRAYS = np.array(
-    [(i, j * k) for k in (0.25, 0.5, 0.75, 0.95) for i in (0, -1, 1, -2, 2) for j in (1, -1)]
-)
-"""Places that a node tries which leaves the border: first steps along it, and tolerances off it."""
 
 
 @compiled
@@ -91,18 +84,13 @@ def _follows(net: Net, node: int, line: Line, most: float) -> bool:
 
 
 @compiled
-def _frame(net: Net, node: int, line: Line, surface: Floats) -> tuple[Vector, Vector, float]:
-    """Tangents at a border node, along the border and into the mesh, and its mean border edge."""
-    points, _, start, around = net
+def _frame(net: Net, node: int, line: Line) -> tuple[Vector, float]:
+    """Tangent at a border node along the border, and its shorter border edge."""
+    points = net[0]
     place = row(points, node)
     before, after = row(points, line[0][node, 0]), row(points, line[0][node, 1])
-    normal = (0.0, 0.0, 0.0)
-    for i in range(start[node], start[node + 1]):
-        normal = add(normal, row(surface, around[i]))
     along = unit(subtract(after, before))
-    across = unit(cross(normal, along))
-    edge = 0.5 * (length(subtract(place, before)) + length(subtract(after, place)))
-    return along, across, edge
+    return along, min(length(subtract(place, before)), length(subtract(after, place)))
 
 
 @compiled
@@ -118,14 +106,12 @@ def _slide(
 ) -> bool:
     """Move a border node to a better place along its border; whether one was found.
 
-    Polls a step to either side, and once more on from the better one. Where nothing is left to gain
-    by that and an element around it fails still, it may also leave the border by the tolerance, if
-    fewer fail then.
+    Polls a step to either side, and once more on from the better one.
     """
     points = net[0]
     _, rails, tolerance = line
     now = score_now(net, node, method, state[0])
-    along, across, edge = _frame(net, node, line, state[2])
+    along, edge = _frame(net, node, line)
     most = tolerance * edge
     old = place = row(points, node)
     best = now
@@ -141,17 +127,6 @@ def _slide(
         score = score_trial(net, node, method, best, state, scoring)
         if is_better(score, best, method) and _follows(net, node, line, most):
             best, place = score, trial
-    if place == old and now[0] > 0.0 and reach < 2.0 * LEAST_STEP:
-        start = nearest_on_rails(old, rails)[0]
-        for k in range(len(STRAYS)):
-            onward = scale(along, STRAYS[k, 0] * FIRST_STEP * edge)
-            trial = add(start, add(onward, scale(across, STRAYS[k, 1] * most)))
-            if len(ground[1]) > 0:
-                trial = foot(ground, trial)[0]
-            put(points, node, trial)
-            score = score_trial(net, node, method, best, state, scoring)
-            if score[0] < best[0] and _follows(net, node, line, most):
-                best, place = score, trial
     put(points, node, place)
     if place == old:
         return False
@@ -171,7 +146,7 @@ def _shift(
     scoring: Scoring,
 ) -> bool:
     """Move a border node along its border, be that better or not; whether it may."""
-    along, _, edge = _frame(net, node, line, state[2])
+    along, edge = _frame(net, node, line)
     trial = add(row(net[0], node), scale(along, shift * edge))
     put(net[0], node, nearest_on_rails(trial, line[1])[0])
     if score_trial(net, node, method, (inf, inf, inf), state, scoring)[0] == inf:

@@ -33,9 +33,9 @@ COLD = 0.02
 
 SEEDS = 1000
 
-PRICES = (8.0, 6.0, IRREGULARITY, 10.0)
-"""Of a failing element, a tria, an irregular node and an element that is not sound, over an element
-whose Q.I. is higher by 1."""
+PRICES = (10.0, 6.0, IRREGULARITY, 10.0, 6.0)
+"""Of a fault of shape, a tria, an irregular node, an element that is not sound and a fault of size,
+over an element whose Q.I. is higher by 1."""
 
 LEAST_TRIALS, MOST_TRIALS = 2_000, 400_000
 

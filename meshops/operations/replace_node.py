@@ -155,7 +155,7 @@ class ReplaceNodeSpace:
     def tallies(self, genomes: Ids, *, measured: bool = True) -> Floats:
         """(P, TALLY_SIZE) tallies of genomes of any length, elements measured or just counted."""
         mesh = self.workpiece.mesh
-        levels, weights, active, penalties, normalised = self.workpiece.setting.scoring.arrays
+        levels, weights, active, penalties, sizing = self.workpiece.setting.scoring.arrays
         return evaluate_merges(
             genomes,
             self.pool,
@@ -170,7 +170,7 @@ class ReplaceNodeSpace:
             weights,
             active if measured else np.zeros_like(active),
             penalties,
-            normalised,
+            sizing,
         )
 
 

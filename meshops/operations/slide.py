@@ -10,10 +10,13 @@ from meshops.edit import Edit
 from meshops.kernels.sliding import slide
 from meshops.mesh import Bools, Floats, Ints
 from meshops.operations.smooth import METHODS, SmoothSpace
-from meshops.remeshing import SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
 
 EVEN = METHODS.index("even")
+
+LINE_TOLERANCE = 0.008
+"""Of a border edge: how far the new border may be from the old one. A hundredth is promised; it is
+seen at a few points of an edge, between which it may be a little more."""
 
 SHIFTS = (0.0, 0.25, -0.25)
 """Of an edge: what all border nodes at failing elements do before each looks for its own place."""
@@ -26,8 +29,8 @@ class Slide:
     As `Smooth` by ``even``, which a border does not hold back here: where a strip is narrower than
     an edge may be short, its edges across pass once they are askew. A corner stays, and so does a
     node that something hangs on or at which three and more elements meet. The border stays where
-    the run found it, within a tenth of an edge. A place is a rank, the rings around it, and whether
-    the border nodes are all shifted first, and which way.
+    the run found it, within a hundredth of an edge. A place is a rank, the rings around it, and
+    whether the border nodes are all shifted first, and which way.
     """
 
     name: str = "slide"
@@ -78,6 +81,6 @@ class SlideSpace(SmoothSpace):
         ).astype(np.int32)
         slide(
             points, elements, np.nonzero(moves)[0].astype(np.int32), EVEN, self.plane,
-            (neighbours, self.rails, SURFACE_TOLERANCE), SHIFTS[place[2]],
+            (neighbours, self.rails, LINE_TOLERANCE), SHIFTS[place[2]],
             self.ground(points, elements), self.workpiece.setting.scoring.arrays,
         )  # fmt: skip

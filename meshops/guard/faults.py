@@ -1,0 +1,111 @@
+"""Faults of elements: what breaks a limit of shape or of size, and by how much."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from meshops.kernels.measures import (
+    ASPECT_RATIO,
+    JACOBIAN,
+    MAX_ANGLE_QUAD,
+    MAX_ANGLE_TRIA,
+    MAX_LENGTH,
+    MIN_ANGLE_QUAD,
+    MIN_ANGLE_TRIA,
+    MIN_SIZE,
+    SKEW,
+    TAPER,
+    WARPAGE,
+)
+from meshops.kernels.quality import CRITERIA, SLACK, measure_elements, penalise
+from meshops.mesh import NO_NODE, Bools, Floats, Ints
+from meshops.workpiece import Setting
+
+SHAPE_LIMITS = (
+    (MAX_ANGLE_QUAD, MAX_ANGLE_TRIA),
+    (MIN_ANGLE_QUAD, MIN_ANGLE_TRIA),
+    (SKEW,),
+    (JACOBIAN,),
+    (TAPER,),
+    (WARPAGE,),
+)
+"""Criteria that are one limit, since those of one are those of quads and of trias."""
+
+SIZE_LIMITS = ((MIN_SIZE,), (MAX_LENGTH,), (ASPECT_RATIO,))
+
+
+@dataclass(frozen=True, eq=False)
+class Appraisal:
+    """What is to be said of some elements.
+
+    Attributes
+    ----------
+    shape, size : (K, 6), (K, 3) float64
+        Severity of their faults by each limit; 0 for none.
+    penalty : (K,) float64
+        The highest by shape.
+    fails : (K,) bool
+        Whether a criterion of shape fails.
+    regularity : (K,) float64
+        1 for an element with equal angles, less for others; 0 or less for one that is concave.
+    """
+
+    shape: Floats
+    size: Floats
+    penalty: Floats
+    fails: Bools
+    regularity: Floats
+
+
+def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
+    """Appraise elements (K, 4) on points, lengths by the sizes that the setting wants anywhere."""
+    scoring = setting.scoring
+    values = np.empty((len(elements), CRITERIA))
+    if setting.gradation is not None:
+        scoring = replace(scoring, growth=(0.0,) * 6)
+    measure_elements(points, elements, scoring.sizing, values)
+    if setting.gradation is not None:
+        local = setting.gradation.at(centres(points, elements))
+        values[:, [MIN_SIZE, MAX_LENGTH]] *= (scoring.size / local)[:, None]
+    penalties = penalise(values, *scoring.arrays)
+    limit = scoring.penalties[3] + SLACK
+    fails = penalties > limit
+    bound = scoring.levels[:CRITERIA, 5]
+    falls = scoring.levels[:CRITERIA, 4] < scoring.levels[:CRITERIA, 0]
+    with np.errstate(invalid="ignore"):
+        beyond = np.where(
+            falls, values < bound * (1.0 - SLACK), values > bound * (1.0 + SLACK)
+        ) & ~np.isnan(penalties)
+    severity = np.where(fails, penalties, np.where(beyond, 1.0, 0.0))
+    shapes = [c for limits in SHAPE_LIMITS for c in limits]
+    return Appraisal(
+        shape=_by_limit(severity, SHAPE_LIMITS),
+        size=_by_limit(severity, SIZE_LIMITS),
+        penalty=np.nan_to_num(penalties[:, shapes]).max(axis=1, initial=0.0),
+        fails=fails[:, shapes].any(axis=1),
+        regularity=_regularity(values, elements[:, 3] == NO_NODE),
+    )
+
+
+def centres(points: Floats, elements: Ints) -> Floats:
+    """(K, 3) mean corner of elements."""
+    is_node = elements != NO_NODE
+    corners = points[elements] * is_node[..., None]
+    middle: Floats = corners.sum(axis=1) / is_node.sum(axis=1)[:, None]
+    return middle
+
+
+def _by_limit(severity: Floats, limits: tuple[tuple[int, ...], ...]) -> Floats:
+    columns = [severity[:, list(criteria)].max(axis=1) for criteria in limits]
+    return np.stack(columns, axis=1)
+
+
+def _regularity(values: Floats, is_tria: Bools) -> Floats:
+    """(K,) how near the angles of elements are to each other."""
+    regular = np.where(is_tria, 60.0, 90.0)
+    least = np.where(is_tria, values[:, MIN_ANGLE_TRIA], values[:, MIN_ANGLE_QUAD])
+    most = np.where(is_tria, values[:, MAX_ANGLE_TRIA], values[:, MAX_ANGLE_QUAD])
+    evenness: Floats = np.minimum(least / regular, (180.0 - most) / (180.0 - regular))
+    return evenness

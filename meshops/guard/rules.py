@@ -1,0 +1,246 @@
+"""Rules: whether a change does harm, and whether anything is gained by it.
+
+A part of a change is the elements that went and those that came in one place; parts share no node.
+Each rule says of each part whether it breaks it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from meshops.guard.faults import Appraisal
+from meshops.kernels.edges import find_edges
+from meshops.kernels.measures import MAX_LENGTH, MIN_SIZE
+from meshops.kernels.quality import SLACK
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.subdomain import Aim
+from meshops.workpiece import Setting
+
+NEAREST, ROOM = 24, 1.02
+"""Sides near a new edge, each edge of two elements twice, and how much longer than any it may be
+where edges are too long already."""
+
+
+MOST_CHANGED = 30
+"""Elements that may change for each fault that goes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One side of a change: the elements that went, or those that came.
+
+    Attributes
+    ----------
+    points : (N, 3) float64
+    elements : (K, 4) int32
+    part : (K,) int64
+        The part of the change that each is of.
+    irregular : (P,) int64
+        Irregular nodes of each part.
+    on_edge : (K,) bool
+        Whether an element has a side on a free border, or a node that something hangs on.
+    appraisal : Appraisal
+    """
+
+    points: Floats
+    elements: Ints
+    part: Ids
+    irregular: Ids
+    on_edge: Bools
+    appraisal: Appraisal
+
+    @property
+    def parts(self) -> int:
+        """How many parts there are."""
+        return len(self.irregular)
+
+    @property
+    def is_tria(self) -> Bools:
+        """(K,) bool: which elements are trias."""
+        tria: Bools = self.elements[:, 3] == NO_NODE
+        return tria
+
+    def count(self, chosen: Bools) -> Ids:
+        """(P,) how many of some elements (K,) each part has."""
+        return np.bincount(self.part[chosen], minlength=self.parts)
+
+    def total(self, values: Floats) -> Floats:
+        """(P,) sum of values of elements (K,)."""
+        total: Floats = np.bincount(self.part, values, self.parts).astype(np.float64)
+        return total
+
+
+def _faults(side: Side) -> Ids:
+    """(P,) trias and elements with a fault."""
+    severity = side.appraisal.shape.sum(axis=1) + side.appraisal.size.sum(axis=1)
+    return side.count(severity > 0.0) + side.count(side.is_tria)
+
+
+def is_large(before: Side, after: Side) -> Bools:
+    """(P,) bool: where more elements change than the faults that go are worth."""
+    changed = np.maximum(
+        *(np.bincount(side.part, minlength=side.parts) for side in (before, after))
+    )
+    large: Bools = changed > MOST_CHANGED * np.maximum(_faults(before) - _faults(after), 1)
+    return large
+
+
+def gains(before: Side, after: Side, aim: Aim) -> Bools:
+    """(P,) bool: shape is less severe, or fewer trias, irregular nodes or faults of size are there.
+
+    In this order: nothing of what comes later counts where something before it is worse. Irregular
+    nodes count where faults are not the aim.
+    """
+    gained = np.zeros(before.parts, bool)
+    undecided = np.ones(before.parts, bool)
+    for less in (
+        _severity(before) - _severity(after),
+        before.count(before.is_tria) - after.count(after.is_tria),
+        (before.irregular - after.irregular) * (aim != "faults"),
+        _count_by_size(before) - _count_by_size(after),
+    ):
+        gained |= undecided & (less > SLACK)
+        undecided &= np.abs(less) <= SLACK
+    return gained
+
+
+def harms(before: Side, after: Side, pairs: tuple[Ids, Ids], setting: Setting) -> Bools:
+    """(P,) bool: which parts of a change break a rule.
+
+    `pairs` are how many trias of each part share an edge with another tria, before and after.
+    """
+    harmed: Bools = pairs[1] > pairs[0]
+    harmed |= _more_trias(before, after, on_edge=False) | _more_trias(before, after, on_edge=True)
+    for limits in ("shape", "size"):
+        was, now = getattr(before.appraisal, limits), getattr(after.appraisal, limits)
+        for limit in range(was.shape[1]):
+            harmed |= _exceeds(was[:, limit], now[:, limit], before.part, after.part, after.parts)
+    if setting.keeps_sizes:
+        harmed |= _leaves_gradation(before, after, setting)
+    return harmed
+
+
+def _count_by_size(side: Side) -> Ids:
+    """(P,) elements with a fault of size."""
+    return side.count(side.appraisal.size.sum(axis=1) > 0.0)
+
+
+def _more_trias(before: Side, after: Side, *, on_edge: bool) -> Bools:
+    """(P,) bool: where a tria comes that takes the place of no concave or folded element.
+
+    With `on_edge` those count that have a side on a free border, or a node that something hangs on.
+    """
+    chosen = [
+        side.on_edge if on_edge else np.ones(len(side.part), bool) for side in (before, after)
+    ]
+    dire = [
+        side.count((side.appraisal.regularity <= 0.0) & some)
+        for side, some in zip((before, after), chosen, strict=True)
+    ]
+    more = after.count(after.is_tria & chosen[1]) - before.count(before.is_tria & chosen[0])
+    comes: Bools = more > np.maximum(dire[0] - dire[1], 0)
+    return comes
+
+
+def spoils(before: Side, after: Side) -> Bools:
+    """(P,) bool: where regularity or shape get worse and nothing but size is gained by it.
+
+    That is where no fault of shape, no tria and no irregular node goes, and the least or the mean
+    quality of shape falls, or irregular nodes come.
+    """
+    for_size = _severity(before) - _severity(after) <= SLACK
+    for_size &= after.count(after.is_tria) >= before.count(before.is_tria)
+    for_size &= after.irregular >= before.irregular
+    spoilt: Bools = (after.irregular > before.irregular) | _is_less_shapely(before, after)
+    return spoilt & for_size
+
+
+def _severity(side: Side) -> Floats:
+    return side.total(side.appraisal.shape.sum(axis=1))
+
+
+def _exceeds(was: Floats, now: Floats, part: Ids, part_now: Ids, parts: int) -> Bools:
+    """(P,) bool: where a fault does not take the place of one that was as severe.
+
+    The severest faults of a part before and after are set against each other, then the next ones.
+    """
+    exceeds = np.zeros(parts, bool)
+    faults = np.nonzero(now > 0.0)[0]
+    if not len(faults):
+        return exceeds
+    place, severity = _ranked(part_now[faults], now[faults])
+    there = np.nonzero(was > 0.0)[0]
+    known, allowed = _ranked(part[there], was[there])
+    if not len(there):
+        exceeds[part_now[faults]] = True
+        return exceeds
+    at = np.minimum(np.searchsorted(known, place), len(known) - 1)
+    bad = (known[at] != place) | (severity > allowed[at] + SLACK)
+    exceeds[place[bad] >> 32] = True
+    return exceeds
+
+
+def _ranked(part: Ids, severity: Floats) -> tuple[Ids, Floats]:
+    """Part and rank of each fault within its part as one number, ascending; and the severities."""
+    order = np.lexsort((-severity, part))
+    part, severity = part[order].astype(np.int64), severity[order]
+    first = np.searchsorted(part, part)
+    return (part << 32) + (np.arange(len(part)) - first), severity
+
+
+def _is_less_shapely(before: Side, after: Side) -> Bools:
+    """(P,) bool: where the least or the mean quality of shape is lower than it was."""
+    least, mean = [], []
+    for side in (before, after):
+        shape = side.appraisal.regularity
+        lowest = np.full(side.parts, np.inf)
+        np.minimum.at(lowest, side.part, shape)
+        least.append(lowest)
+        mean.append(side.total(shape) / np.maximum(np.bincount(side.part, minlength=side.parts), 1))
+    lower: Bools = (least[1] < least[0] - SLACK) | (mean[1] < mean[0] - SLACK)
+    return lower
+
+
+def _leaves_gradation(before: Side, after: Side, setting: Setting) -> Bools:
+    """(P,) bool: where an edge is out of gradation, and longer or shorter than those near it were.
+
+    Beyond the limits of the criteria no new edge may be longer or shorter than the nearest were.
+    """
+    assert setting.gradation is not None
+    leaves = np.zeros(before.parts, bool)
+    middles, lengths, part = _edges(after)
+    ratio = lengths / setting.gradation.at(middles)
+    levels, size = setting.scoring.levels[:, 3], setting.scoring.size
+    shortest, longest = levels[MIN_SIZE] / size, levels[MAX_LENGTH] / size
+    off = np.nonzero((ratio < shortest) | (ratio > longest))[0]
+    if not len(off):
+        return leaves
+    known, old, _ = _edges(before)
+    near = cKDTree(known).query(middles[off], np.arange(1, min(NEAREST, len(known)) + 1))[1]
+    too_long = (ratio[off] > longest) & (lengths[off] > ROOM * old[near].max(axis=1))
+    too_short = (ratio[off] < shortest) & (lengths[off] * ROOM < old[near].min(axis=1))
+    leaves[part[off[too_long | too_short]]] = True
+    return leaves
+
+
+def _edges(side: Side) -> tuple[Floats, Floats, Ids]:
+    """Middles (E, 3), lengths (E,) and parts (E,) of all edges, those of two elements twice."""
+    following = np.roll(side.elements, -1, axis=1)
+    following[side.is_tria, 2] = side.elements[side.is_tria, 0]
+    row, corner = np.nonzero(side.elements != NO_NODE)
+    start, end = side.points[side.elements[row, corner]], side.points[following[row, corner]]
+    return (start + end) / 2.0, np.linalg.norm(end - start, axis=1), side.part[row]
+
+
+def tria_pairs(elements: Ints, nodes: int, part: Ids, parts: int) -> Ids:
+    """(P,) how many edges between two trias each part has; an element of no part has -1."""
+    trias = np.nonzero(elements[:, 3] == NO_NODE)[0]
+    if len(trias) < 2:
+        return np.zeros(parts, np.int64)
+    edge_elements = find_edges(elements[trias], nodes)[2]
+    pairs = edge_elements[edge_elements[:, 0] >= 0]
+    owner = part[trias[pairs]].max(axis=1)
+    return np.bincount(owner[owner >= 0], minlength=parts)
