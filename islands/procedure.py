@@ -15,10 +15,9 @@ from meshops.criteria_files import dump_criteria, parse_toml
 from meshops.edit import apply
 from meshops.errors import InputError
 from meshops.fitness import Fitness
-from meshops.guard import guarded
+from meshops.guard import guarded, guarded_edits
 from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
-from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.sizing import local_growth
 from meshops.subdomain import Aim, Extent, Subdomain, subdomains
@@ -327,7 +326,8 @@ def perform_rounds(
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)
             continue
-        found = subdomains(Workpiece(mesh, setting), done.extent, done.turn, done.aim)
+        start = Workpiece(mesh, setting)
+        found = subdomains(start, done.extent, done.turn, done.aim)
         edits = []
         for subdomain, place in zip(found, done.places, strict=False):
             if place.steps:
@@ -337,7 +337,7 @@ def perform_rounds(
                 root = Workpiece(subdomain.mesh, own, surface)
                 after = guarded(root, after, done.aim, neutral=done.drifts)
                 edits.append(subdomain.edit(mesh, after))
-        mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
+        mesh = guarded_edits(start, edits, done.aim, neutral=done.drifts)
     return mesh
 
 

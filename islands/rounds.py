@@ -249,7 +249,7 @@ class _Search:
         works = [subdomain_work(problem, self.reference, part, state.aim) for part in found]
         states, pieces, status = self._evolve(works)
         empty = Round(extent, turn, (), state.aim, problem.drifts)
-        done, mesh = stitched(before.mesh, empty, found, pieces)
+        done, mesh = stitched(before, empty, found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)
         if state.aim == "faults":

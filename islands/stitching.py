@@ -8,10 +8,9 @@ from dataclasses import replace
 from islands.finishing import Piece, polish_for
 from islands.integration_ga import Problem, Work
 from islands.procedure import Place, Round, subdomain_setting
-from meshops.edit import apply
 from meshops.fitness import limits_of
+from meshops.guard import guarded_edits
 from meshops.mesh import ShellMesh
-from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.subdomain import Aim, Subdomain
 from meshops.workpiece import Workpiece
@@ -40,7 +39,7 @@ def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain,
 
 
 def stitched(
-    mesh: ShellMesh,
+    before: Workpiece,
     empty: Round,
     found: Sequence[Subdomain],
     pieces: Sequence[Piece],
@@ -53,6 +52,7 @@ def stitched(
     for subdomain, piece in zip(found, pieces, strict=False):
         x, y, z = subdomain.centre.tolist()
         if piece.steps:
-            edits.append(subdomain.edit(mesh, piece.mesh))
+            edits.append(subdomain.edit(before.mesh, piece.mesh))
         done.append(Place((x, y, z), piece.steps))
-    return replace(empty, places=tuple(done)), apply(mesh, join(mesh, without_doubles(mesh, edits)))
+    after = guarded_edits(before, edits, empty.aim, neutral=empty.drifts)
+    return replace(empty, places=tuple(done)), after

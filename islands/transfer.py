@@ -7,12 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from islands.procedure import Place, Procedure, Round, Step, perform_steps, subdomain_setting
-from meshops.edit import Edit, apply
+from meshops.edit import Edit
 from meshops.errors import InputError
-from meshops.guard import guarded
+from meshops.guard import guarded, guarded_edits
 from meshops.mesh import Floats, ShellMesh
 from meshops.operations import Operation
-from meshops.patch import join, without_doubles
 from meshops.reference import Reference
 from meshops.subdomain import Aim, Subdomain, subdomains
 from meshops.surface import PatchSurface
@@ -55,7 +54,7 @@ def transfer(
             places.append(place)
             edits.append(edit)
         if any(place.steps for place in places):
-            mesh = apply(mesh, join(mesh, without_doubles(mesh, edits)))
+            mesh = guarded_edits(start, edits, done.aim)
             rounds.append(replace(done, places=tuple(places), drifts=False))
     return mesh, tuple(rounds)
 

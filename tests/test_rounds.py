@@ -11,7 +11,7 @@ from islands.archipelago import Archipelago, Milestone, TimeUpError
 from islands.executors.local import LocalExecutor
 from islands.procedure import Place, Procedure, Round, Step, perform
 from islands.rates import adapted_rates, credits_of, first_credit, named_rates
-from islands.rounds import moving_on
+from islands.rounds import LEADING, moving_on
 from islands.run import Finished, run
 from meshops.examples import plate
 from meshops.kernels.quality import SHAPE_FAILED, TALLY_SIZE, TRIAS
@@ -112,7 +112,8 @@ def test_the_best_of_all_rounds_is_kept(mesh: ShellMesh, finished: tuple[Finishe
     figures = [(e.failed, e.trias) for e in rounds]
     assert faults(done.mesh) == (done.after.failed, done.after.trias) == min(figures)
     assert figures[len(done.procedure.rounds) - 1] == min(figures) < faults(mesh)
-    assert len(done.procedure.rounds) == 1 + figures.index(min(figures))
+    # rounds after that only tidy
+    assert len(done.procedure.rounds) >= 1 + figures.index(min(figures))
 
 
 def test_a_mesh_without_fault_is_left_alone() -> None:
@@ -135,7 +136,7 @@ def test_patience_ends_where_nothing_more_can_be_gained() -> None:
     assert "brought no gain" in events[-1].reason  # type: ignore[union-attr]
     assert (1, 0) <= faults(done.mesh) < faults(mesh)
     rounds = [e for e in events if isinstance(e, RoundReport)]
-    assert {e.rings for e in rounds} == {2, 4}
+    assert {e.rings for e in rounds if e.turn >= len(LEADING)} == {2, 4}
     assert len(done.procedure.rounds) <= len(rounds) < 40
     assert faults(done.mesh) == min((e.failed, e.trias) for e in rounds)
     assert replayed(mesh, done).digest == done.mesh.digest
@@ -270,9 +271,16 @@ def test_the_rates_that_are_told_are_those_that_were_adapted(
         assert sum(each.values()) == pytest.approx(1.0, abs=1e-2)
     begun = job(bad_plate(), slide=False).problem
     first = named_rates(replace(begun, weights=adapted_rates(first_credit(begun))))
-    assert rates[0] == first
     assert first["remesh"] > first["swap-edge"] > 0
-    assert len(rates) < 2 or rates[1] != first
+    assert rates[0]["remesh"] == rates[0]["anneal"] == 0 < rates[0]["swap-edge"]
+
+
+def test_after_the_small_edits_rates_are_those_of_experience() -> None:
+    events: Events = []
+    finish(job(with_a_fault_for_ever(bad_plate()), rounds=5, slide=False), events)
+    rates = [e.rates for e in events if isinstance(e, RoundReport) and e.turn >= len(LEADING)]
+    assert rates[0]["remesh"] > rates[0]["swap-edge"] > 0
+    assert rates[0]["anneal"] > 0
 
 
 # --- rates --------------------------------------------------------------------------------------
@@ -322,12 +330,14 @@ def test_trias_come_first_where_nothing_fails_and_then_both_faults_in_turn(
 def test_dense_faults_get_larger_subdomains_at_once() -> None:
     def first_rings(part: ShellMesh) -> int:
         events: Events = []
-        finish(job(part, rounds=1, slide=False), events)
-        return next(event.rings for event in events if isinstance(event, RoundReport))
+        finish(job(part, rounds=4, slide=False, tidy=0), events)
+        rounds = [event for event in events if isinstance(event, RoundReport)]
+        assert [event.rings for event in rounds[:1]] == [LEADING[0].rings]
+        return next(event.rings for event in rounds if event.turn >= len(LEADING))
 
     rings = job(plate()).config.rings
     assert first_rings(tall(sheet(12, 12, seed=5, trias=0.5))) == rings[2]
-    assert first_rings(plate()) == rings[0]
+    assert first_rings(with_a_fault_for_ever(plate())) == rings[0]
 
 
 # --- a better flow ------------------------------------------------------------------------------

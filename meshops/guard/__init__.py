@@ -6,6 +6,6 @@ and elements (`correspondence`), nodes go home where they need not have moved (`
 each connected change is kept or taken back by itself (`rules`).
 """
 
-from meshops.guard.guarding import guarded
+from meshops.guard.guarding import guarded, guarded_edits
 
-__all__ = ["guarded"]
+__all__ = ["guarded", "guarded_edits"]

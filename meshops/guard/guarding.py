@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from meshops.edit import Edit, apply
 from meshops.guard.correspondence import Change, correspondence, in_order_of
 from meshops.guard.faults import appraise
+from meshops.guard.parts import parts_of
 from meshops.guard.restoring import restored
 from meshops.guard.rows import Walks, edge_keys, fewer_rows
 from meshops.guard.rules import Side, gains, harms, is_large, spoils, tria_pairs
 from meshops.kernels.regularity import REGULAR
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
+from meshops.patch import join, without_doubles
 from meshops.subdomain import Aim
 from meshops.topology import valences
 from meshops.workpiece import Workpiece
@@ -40,14 +40,35 @@ def guarded(
     The mesh with what is kept. What is as it was keeps its ids; so does an element on the same
     nodes. ``before.mesh`` itself where nothing is kept.
     """
+    if after.digest == before.mesh.digest:
+        return before.mesh
+    edit = _kept_edit(before, correspondence(before.mesh, after), aim, neutral=neutral)
+    return before.mesh if edit.is_empty else apply(before.mesh, edit)
+
+
+def guarded_edits(
+    before: Workpiece, edits: list[Edit], aim: Aim, *, neutral: bool = False
+) -> ShellMesh:
+    """Apply edits of different places, of which each part is guarded; see `guarded`.
+
+    Here ids may be those of a mesh that was changed before: new ones are all alike. Edits that put
+    an element on the nodes of another one are left out.
+    """
     mesh = before.mesh
-    if after.digest == mesh.digest:
-        return mesh
-    change = in_order_of(restored(mesh, correspondence(mesh, after), before.setting), mesh)
+    by_row = ShellMesh.build(mesh.points, mesh.elements, region=mesh.region)
+    after = apply(by_row, join(mesh, without_doubles(mesh, edits)))
+    edit = _kept_edit(before, correspondence(by_row, after), aim, neutral=neutral)
+    return mesh if edit.is_empty else apply(mesh, edit)
+
+
+def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) -> Edit:
+    """Make the edit of those parts of a change that are kept."""
+    mesh = before.mesh
+    change = in_order_of(restored(mesh, change, before.setting), mesh)
     was, now = _changed(mesh, change)
     if not (was.any() or now.any()):
-        return mesh
-    part_was, part_now, parts = _parts(mesh, change, was, now)
+        return Edit()
+    part_was, part_now, parts = parts_of(mesh, change, was, now)
     sides, pairs = _sides(before, change, part_was, part_now, parts)
     kept = ~harms(*sides, pairs, before.setting)
     kept &= ~_fewer_rows(before, change, part_was, part_now, parts)
@@ -55,9 +76,7 @@ def guarded(
         kept &= gains(*sides, aim) & ~spoils(*sides)
     if aim == "faults":
         kept &= ~is_large(*sides)
-    if not kept.any():
-        return mesh
-    return apply(mesh, _edit(mesh, change, part_was, part_now, kept))
+    return _edit(mesh, change, part_was, part_now, kept)
 
 
 def _changed(mesh: ShellMesh, change: Change) -> tuple[Bools, Bools]:
@@ -72,43 +91,25 @@ def _changed(mesh: ShellMesh, change: Change) -> tuple[Bools, Bools]:
     return was, now
 
 
-def _parts(mesh: ShellMesh, change: Change, was: Bools, now: Bools) -> tuple[Ids, Ids, int]:
-    """Part of each element before and after, -1 for one that is as it was; how many there are.
-
-    Elements are of one part where they share a node.
-    """
-    elements = np.concatenate([mesh.elements[was], change.elements[now]])
-    owner, corner = np.nonzero(elements != NO_NODE)
-    nodes = elements[owner, corner]
-    count = len(elements) + len(change.points)
-    graph = coo_array((np.ones(len(nodes), np.int8), (owner, len(elements) + nodes)), (count,) * 2)
-    label = connected_components(graph, directed=False)[1][: len(elements)]
-    found, label = np.unique(label, return_inverse=True)
-    first = int(np.count_nonzero(was))
-    part_was, part_now = (np.full(len(rows), -1, np.int64) for rows in (was, now))
-    part_was[was], part_now[now] = label[:first], label[first:]
-    return part_was, part_now, len(found)
-
-
 def _sides(
     before: Workpiece, change: Change, part_was: Ids, part_now: Ids, parts: int
 ) -> tuple[tuple[Side, Side], tuple[Ids, Ids]]:
     """Both sides of a change, and how many pairs of trias each part has."""
     mesh = before.mesh
-    irregular = _irregular(before, change)
+    irregular = _irregular(before, change, part_was, part_now, parts)
     topology, count = before.topology, len(change.points)
     held = np.zeros(count, bool)
     held[: change.first_new] = mesh.locked_nodes & (before.outside < 0)
-    rim = edge_keys(topology.edges[topology.is_border], count)
+    rim = edge_keys(topology.edges[topology.is_border & _is_real(before)], count)
 
-    def side(points: Floats, elements: Ints, part: Ids, amiss: Bools) -> Side:
+    def side(points: Floats, elements: Ints, part: Ids, amiss: Ids) -> Side:
         rows = part >= 0
         elements, part = elements[rows], part[rows]
         return Side(
             points=points,
             elements=elements,
             part=part,
-            irregular=_irregular_of(elements, part, amiss, parts),
+            irregular=amiss,
             on_edge=_on_edge(elements, held, rim),
             appraisal=appraise(points, elements, before.setting),
         )
@@ -133,37 +134,52 @@ def _on_edge(elements: Ints, held: Bools, rim: Ids) -> Bools:
     return found
 
 
+def _is_real(before: Workpiece) -> Bools:
+    """(E,) bool: edges at which the mesh ends, if it ends there, and not just a subdomain of it."""
+    start, end = before.topology.edges.T
+    real: Bools = (before.outside[start] < 0) & (before.outside[end] < 0)
+    return real
+
+
 def _fewer_rows(
     before: Workpiece, change: Change, part_was: Ids, part_now: Ids, parts: int
 ) -> Bools:
     """(P,) bool: parts of a change that take rows out of a strip between barriers."""
     mesh, topology, count = before.mesh, before.topology, len(change.points)
-    ends = topology.edges[~topology.crossable]
-    # where a subdomain was cut out its mesh goes on
-    barriers = edge_keys(ends[(before.outside[ends] < 0).all(axis=1)], count)
+    barriers = edge_keys(topology.edges[~topology.crossable & _is_real(before)], count)
     points = np.concatenate([mesh.points, change.points[change.first_new :]])
     then = Walks.of(points, mesh.elements, part_was, barriers)
     now = Walks.of(change.points, change.elements, part_now, barriers)
     return fewer_rows(then, now, parts)
 
 
-def _irregular(before: Workpiece, change: Change) -> tuple[Bools, Bools]:
-    """(N + K,) bool: irregular nodes before and after."""
+def _irregular(
+    before: Workpiece, change: Change, part_was: Ids, part_now: Ids, parts: int
+) -> tuple[Ids, Ids]:
+    """(P,) irregular nodes of each part before, and after it alone has changed."""
     count = len(change.points)
     outside = np.zeros(count, np.int32)
     outside[: change.first_new] = before.outside
+    valence = valences(before.mesh.elements, count)
+    goes = _corner_keys(before.mesh.elements, part_was, count)
+    comes = _corner_keys(change.elements, part_now, count)
+    keys, where = np.unique(np.concatenate([goes, comes]), return_inverse=True)
+    part, node = keys // count, keys % count
+    leaving = np.bincount(where[: len(goes)], minlength=len(keys))
+    coming = np.bincount(where[len(goes) :], minlength=len(keys))
     found = []
-    for elements in (before.mesh.elements, change.elements):
-        valence = valences(elements, count)
-        found.append((outside >= 0) & (valence > 0) & (valence + outside != REGULAR))
+    for elements in (valence[node], valence[node] - leaving + coming):
+        irregular = (outside[node] >= 0) & (elements > 0) & (elements + outside[node] != REGULAR)
+        found.append(np.bincount(part[irregular], minlength=parts))
     return found[0], found[1]
 
 
-def _irregular_of(elements: Ints, part: Ids, irregular: Bools, parts: int) -> Ids:
-    """(P,) how many irregular nodes each part has: no two parts share one."""
-    owner, corner = np.nonzero(elements != NO_NODE)
-    nodes, first = np.unique(elements[owner, corner], return_index=True)
-    return np.bincount(part[owner[first]][irregular[nodes]], minlength=parts)
+def _corner_keys(elements: Ints, part: Ids, nodes: int) -> Ids:
+    """One number for the part and the node of each corner of the elements of any part."""
+    rows = np.nonzero(part >= 0)[0]
+    owner, corner = np.nonzero(elements[rows] != NO_NODE)
+    keys: Ids = part[rows[owner]] * nodes + elements[rows[owner], corner]
+    return keys
 
 
 def _edit(mesh: ShellMesh, change: Change, part_was: Ids, part_now: Ids, kept: Bools) -> Edit:
