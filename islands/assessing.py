@@ -6,6 +6,7 @@ from pathlib import Path
 
 from meshops.assessment import EVEN, Assessment
 from meshops.criteria import Criteria
+from meshops.formats.verified import Verify
 from meshops.mesh import ShellMesh
 from meshops.quality import median_edge
 from meshops.sizing import LOCAL, parse_size
@@ -44,3 +45,23 @@ def assessment_of(
 def gradation_name(size: str) -> str:
     """Return what a size field is called in reports."""
     return LOCAL if size == LOCAL else Path(size).name
+
+
+def verifier(assessment: Assessment) -> Verify:
+    """Return what says in what a mesh is worse than another one, for a deck that is to be written.
+
+    It shares no code with the search.
+    """
+
+    def verify(before: ShellMesh, after: ShellMesh) -> tuple[str, ...]:
+        from meshops import harm
+
+        sizes = None
+        if assessment.sizes is not None:
+            sizes = (
+                assessment.sizes.at(harm.middles_of(before)),
+                assessment.sizes.at(harm.middles_of(after)),
+            )
+        return harm.verify(before, after, assessment.scoring, sizes)
+
+    return verify

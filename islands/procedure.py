@@ -143,6 +143,11 @@ class Procedure:
             slides=self.slides,
         )
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is of a whole mesh, as the paper's."""
+        return is_whole(self.rounds)
+
     def text(self, operations: tuple[Operation, ...]) -> str:
         """Figure 10: a line a gene, the code and the parameters; a dash where nothing is done.
 
@@ -300,9 +305,14 @@ def perform(
     step names what the mesh does not have.
     """
     after = perform_rounds(mesh, rounds, operations, setting, reference)
-    if any(done.extent is None for done in rounds):
-        return after  # the paper's own GA knows no guard
+    if is_whole(rounds):
+        return after
     return guarded(Workpiece(mesh, setting), after, all_aims(rounds))
+
+
+def is_whole(rounds: tuple[Round, ...]) -> bool:
+    """Whether rounds are of a whole mesh, as the paper's, whose GA knows no guard."""
+    return any(done.extent is None for done in rounds)
 
 
 def all_aims(rounds: tuple[Round, ...]) -> Aim:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from islands.assessing import verifier
 from islands.procedure import Procedure, all_aims, perform
 from islands.transfer import transfer
 from meshops.assessment import Assessment
 from meshops.errors import InputError
 from meshops.formats import Deck, read_deck
 from meshops.formats.selection import locked_but
-from meshops.formats.verified import write_verified
+from meshops.formats.verified import nothing_else, write_verified
 from meshops.guard import guarded
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
@@ -43,7 +44,8 @@ def replay_file(procedure_file: Path, source: Path, out: Path) -> str:
             f"(digest {mesh.digest}, not {procedure.result}); use the versions of meshipelago and "
             "pymeshlab that the run used."
         )
-    write_verified(deck, mesh, out)
+    check = verifier(Assessment(setting.scoring, setting.sizes))
+    write_verified(deck, mesh, out, nothing_else if procedure.is_whole else check)
     return f"{out}: the mesh of the run, bit for bit (digest {mesh.digest})."
 
 
@@ -72,7 +74,7 @@ def _transfer(
         raise InputError(
             f"{procedure_file} was found on another mesh than {source}: {error}"
         ) from None
-    write_verified(deck, mesh, out)
+    write_verified(deck, mesh, out, verifier(Assessment(setting.scoring, setting.sizes)))
     return (
         f"{out}: {procedure_file} was found on another mesh; on this one it brought, without any "
         f"search, {_faults(start, setting)} -> {_faults(mesh, setting)}."

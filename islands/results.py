@@ -9,12 +9,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from islands.assessing import verifier
 from islands.folder import RESULT
 from islands.run import Finished, Job, summary
 from meshops.errors import InputError
 from meshops.failures import TRIED, csv_text, failures
 from meshops.formats import Deck, check_writable_suffix, read_deck, write_mesh
-from meshops.formats.verified import write_verified
+from meshops.formats.verified import nothing_else, write_verified
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.pictures import draw
@@ -55,7 +56,8 @@ def write_results(folder: Path, job: Job, deck: Deck, source: Path, done: Finish
     assessment = job.assessment
     before = job.mesh
     read = partial(read_deck, regions=job.config.regions)
-    after = write_verified(deck, done.mesh, folder / source.name, read=read).mesh
+    check = verifier(assessment) if job.config.profile != "paper" else nothing_else
+    after = write_verified(deck, done.mesh, folder / source.name, check, read).mesh
     write_mesh(
         after,
         folder / "mesh.vtu",

@@ -11,6 +11,7 @@ from meshops.formats import read_deck, write_mesh
 from meshops.formats.verified import differences, write_verified
 from meshops.mesh import NEW
 from tests.decks import bad_plate
+from tests.meshes import sheet, with_
 
 SUFFIXES = [".bdf", ".inp", ".vtu", ".msh", ".obj", ".off"]
 
@@ -252,3 +253,29 @@ def test_locks_name_what_they_hold_by_its_ids(tmp_path: Path) -> None:
         ("elements", "PLOAD1", (7,)),
     }
     assert all(lock.count == len(lock.ids) for lock in deck.locks)
+
+
+def test_a_deck_that_the_search_has_made_worse_is_not_written(tmp_path, monkeypatch):
+    """The guard left out, a run on perfect rows that fail by size is stopped at the end."""
+    from islands import finishing, rounds
+    from islands.cli import main
+
+    write_mesh(sheet(6, 6), tmp_path / "part.bdf")
+
+    def worse(before, *_, **__):
+        """Take the guard's place, and pull a node out of a sound mesh."""
+        points = before.mesh.points.copy()
+        middle = np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))
+        points[middle] += (0.9, 0.8, 0.0)
+        return with_(before.mesh, points=points)
+
+    monkeypatch.setattr(rounds, "guarded", worse)
+    monkeypatch.setattr(finishing, "guarded", worse)
+    out = tmp_path / "run"
+    line = ["meshipelago", "optimize", str(tmp_path / "part.bdf"), "--out", str(out)]
+    monkeypatch.setattr("sys.argv", [*line, "--track", "off", "--quiet"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 3
+    assert not (out / "part.bdf").exists()
+    assert not (out / "result.json").exists()

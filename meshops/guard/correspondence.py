@@ -95,19 +95,30 @@ def _rows_of(known: Ids, ids: Ids) -> Ints:
 
 
 def _taking_place(before: ShellMesh, after: ShellMesh, rows: Ints) -> Ints:
-    """Give new nodes the rows of those that went from where they are."""
+    """Give new nodes the rows of those that went from where they are, of the same region."""
     gone = np.ones(len(before.points), bool)
     gone[rows[rows >= 0]] = False
     left, new = np.nonzero(gone)[0], np.nonzero(rows < 0)[0]
     if not len(left) or not len(new):
         return rows
-    distance, nearest = cKDTree(before.points[left]).query(after.points[new])
-    back = cKDTree(after.points[new]).query(before.points[left])[1]
-    mutual = back[nearest] == np.arange(len(new))
-    mutual &= distance <= NEAR * mean_edges(before)[left[nearest]]
-    rows = rows.copy()
-    rows[new[mutual]] = left[nearest[mutual]]
+    rows, reach = rows.copy(), NEAR * mean_edges(before)
+    region, region_now = _region_of_nodes(before)[left], _region_of_nodes(after)[new]
+    for number in np.intersect1d(region, region_now):
+        here, there = new[region_now == number], left[region == number]
+        distance, nearest = cKDTree(before.points[there]).query(after.points[here])
+        back = cKDTree(after.points[here]).query(before.points[there])[1]
+        mutual = back[nearest] == np.arange(len(here))
+        mutual &= distance <= reach[there[nearest]]
+        rows[here[mutual]] = there[nearest[mutual]]
     return rows
+
+
+def _region_of_nodes(mesh: ShellMesh) -> Ints:
+    """(N,) int32: the region of an element at each node; -1 where there is none."""
+    region = np.full(len(mesh.points), -1, np.int32)
+    row, corner = np.nonzero(mesh.elements != NO_NODE)
+    region[mesh.elements[row, corner]] = mesh.region[row]
+    return region
 
 
 def mean_edges(mesh: ShellMesh) -> Floats:

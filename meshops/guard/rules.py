@@ -24,6 +24,9 @@ NEAREST, ROOM = 24, 1.02
 where edges are too long already."""
 
 
+MOST_AREA = 0.001
+"""Of the area of a part of a change: how much more or less it may be."""
+
 MOST_CHANGED = 30
 """Elements that may change for each fault that goes."""
 
@@ -113,6 +116,8 @@ def harms(before: Side, after: Side, pairs: tuple[Ids, Ids], setting: Setting) -
     `pairs` are how many trias of each part share an edge with another tria, before and after.
     """
     harmed: Bools = pairs[1] > pairs[0]
+    areas = before.total(_areas(before)), after.total(_areas(after))
+    harmed |= np.abs(areas[1] - areas[0]) > MOST_AREA * areas[0]
     harmed |= _more_trias(before, after, on_edge=False) | _more_trias(before, after, on_edge=True)
     for limits in ("shape", "size"):
         was, now = getattr(before.appraisal, limits), getattr(after.appraisal, limits)
@@ -233,6 +238,15 @@ def _edges(side: Side) -> tuple[Floats, Floats, Ids]:
     row, corner = np.nonzero(side.elements != NO_NODE)
     start, end = side.points[side.elements[row, corner]], side.points[following[row, corner]]
     return (start + end) / 2.0, np.linalg.norm(end - start, axis=1), side.part[row]
+
+
+def _areas(side: Side) -> Floats:
+    """(K,) areas of elements."""
+    corners = side.points[side.elements]
+    corners[side.is_tria, 3] = corners[side.is_tria, 2]
+    vectors = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    areas: Floats = 0.5 * np.linalg.norm(vectors, axis=1)
+    return areas
 
 
 def tria_pairs(elements: Ints, nodes: int, part: Ids, parts: int) -> Ids:

@@ -5,6 +5,7 @@ worse; ``verify`` says what of it must not be written. Only arrays go in: numpy 
 """
 
 from meshops.harm.compare import compare, local_sizes, median_size, verify
+from meshops.harm.edges import middles_of
 from meshops.harm.report import Harm, Standing
 
-__all__ = ["Harm", "Standing", "compare", "local_sizes", "median_size", "verify"]
+__all__ = ["Harm", "Standing", "compare", "local_sizes", "median_size", "middles_of", "verify"]

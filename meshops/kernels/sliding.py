@@ -6,7 +6,7 @@ often its nodes slide. For the tuples ``net``, ``ground``, ``state`` and ``scori
 
 line : neighbours (N, 2), rails (R, 2, 3), tolerance
     The neighbours of each node that slides, elsewhere -1; the edges that it slides along; and how
-    far from them it and its edges may be, of the shorter of its two border edges.
+    far from them it and its edges may be, of its shortest edge.
 """
 
 from __future__ import annotations
@@ -84,13 +84,26 @@ def _follows(net: Net, node: int, line: Line, most: float) -> bool:
 
 
 @compiled
-def _frame(net: Net, node: int, line: Line) -> tuple[Vector, float]:
-    """Tangent at a border node along the border, and its shorter border edge."""
-    points = net[0]
+def _frame(net: Net, node: int, line: Line) -> tuple[Vector, float, float]:
+    """Tangent at a border node along the border, its shorter border edge, its shortest edge.
+
+    The last is that across where a part is narrow.
+    """
+    points, elements, start, around = net
     place = row(points, node)
     before, after = row(points, line[0][node, 0]), row(points, line[0][node, 1])
     along = unit(subtract(after, before))
-    return along, min(length(subtract(place, before)), length(subtract(after, place)))
+    edge = min(length(subtract(place, before)), length(subtract(after, place)))
+    shortest = edge
+    for i in range(start[node], start[node + 1]):
+        e = around[i]
+        size = 4 if elements[e, 3] >= 0 else 3
+        for k in range(size):
+            other = elements[e, (k + 1) % size]
+            if elements[e, k] == node or other == node:
+                way = subtract(row(points, other), row(points, elements[e, k]))
+                shortest = min(shortest, length(way))
+    return along, edge, shortest
 
 
 @compiled
@@ -111,8 +124,8 @@ def _slide(
     points = net[0]
     _, rails, tolerance = line
     now = score_now(net, node, method, state[0])
-    along, edge = _frame(net, node, line)
-    most = tolerance * edge
+    along, edge, shortest = _frame(net, node, line)
+    most = tolerance * shortest
     old = place = row(points, node)
     best = now
     for k in range(3):
@@ -146,12 +159,12 @@ def _shift(
     scoring: Scoring,
 ) -> bool:
     """Move a border node along its border, be that better or not; whether it may."""
-    along, edge = _frame(net, node, line)
+    along, edge, shortest = _frame(net, node, line)
     trial = add(row(net[0], node), scale(along, shift * edge))
     put(net[0], node, nearest_on_rails(trial, line[1])[0])
     if score_trial(net, node, method, (inf, inf, inf), state, scoring)[0] == inf:
         return False
-    if not _follows(net, node, line, line[2] * edge):
+    if not _follows(net, node, line, line[2] * shortest):
         return False
     return len(ground[1]) == 0 or lies_on(net, node, ground, state)
 
