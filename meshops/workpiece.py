@@ -33,6 +33,7 @@ from meshops.quality import (
     failing_penalties,
     index_of_penalties,
 )
+from meshops.rows import Rows
 from meshops.sizing import LOCAL, SizeField, at_even_size
 from meshops.surface import PatchSurface
 from meshops.topology import FEATURE_ANGLE, Topology, topology
@@ -57,6 +58,9 @@ class Setting:
         The same within a subdomain too, which is searched at one size: the guard judges by it.
     keeps_sizes : bool
         Whether these sizes are those that the mesh had, and it is to keep them.
+    rows : Rows or None
+        The rows across strips that the mesh had, which it is to keep; None: within a subdomain,
+        where strips do not show.
     outside : (b,) int32 or None
         Of a subdomain, whose border nodes have the ids from 1 to b: how many elements of the mesh
         around it meet at each of them; -1 where any number may.
@@ -71,6 +75,7 @@ class Setting:
     sizes: SizeField | None = None
     gradation: SizeField | None = None
     keeps_sizes: bool = False
+    rows: Rows | None = None
     outside: Ints | None = None
     slides: bool = False
 
@@ -97,6 +102,7 @@ class Setting:
             sizes=assessment.sizes,
             gradation=assessment.sizes,
             keeps_sizes=assessment.gradation == LOCAL,
+            rows=None if fitness.kind == "trias" else Rows.of(mesh, feature_angle),
             slides=slides,
         )
 

@@ -9,11 +9,12 @@ from meshops.guard.correspondence import Change, correspondence, in_order_of
 from meshops.guard.faults import appraise
 from meshops.guard.parts import parts_of
 from meshops.guard.restoring import restored
-from meshops.guard.rows import Walks, edge_keys, fewer_rows
 from meshops.guard.rules import Side, gains, harms, is_large, spoils, tria_pairs
+from meshops.guard.surface import leaves_surface
 from meshops.kernels.regularity import REGULAR
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.patch import join, without_doubles
+from meshops.rows import Walks, edge_keys
 from meshops.subdomain import Aim
 from meshops.topology import valences
 from meshops.workpiece import Workpiece
@@ -71,7 +72,8 @@ def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) ->
     part_was, part_now, parts = parts_of(mesh, change, was, now)
     sides, pairs = _sides(before, change, part_was, part_now, parts)
     kept = ~harms(*sides, pairs, before.setting)
-    kept &= ~_fewer_rows(before, change, part_was, part_now, parts)
+    kept &= ~leaves_surface(*sides)
+    kept &= ~_fewer_rows(before, change, part_now, parts)
     if not neutral:
         kept &= gains(*sides, aim) & ~spoils(*sides)
     if aim == "faults":
@@ -141,16 +143,18 @@ def _is_real(before: Workpiece) -> Bools:
     return real
 
 
-def _fewer_rows(
-    before: Workpiece, change: Change, part_was: Ids, part_now: Ids, parts: int
-) -> Bools:
-    """(P,) bool: parts of a change that take rows out of a strip between barriers."""
-    mesh, topology, count = before.mesh, before.topology, len(change.points)
-    barriers = edge_keys(topology.edges[~topology.crossable & _is_real(before)], count)
-    points = np.concatenate([mesh.points, change.points[change.first_new :]])
-    then = Walks.of(points, mesh.elements, part_was, barriers)
-    now = Walks.of(change.points, change.elements, part_now, barriers)
-    return fewer_rows(then, now, parts)
+def _fewer_rows(before: Workpiece, change: Change, part_now: Ids, parts: int) -> Bools:
+    """(P,) bool: parts of a change that take rows out of a strip between barriers.
+
+    They are seen in a whole mesh alone.
+    """
+    rows, topology, count = before.setting.rows, before.topology, len(change.points)
+    if rows is None:
+        return np.zeros(parts, bool)
+    barriers = edge_keys(topology.edges[~topology.crossable], count)
+    walks = Walks.of(change.points, change.elements, part_now, barriers)
+    ids = np.append(before.mesh.node_ids, np.full(count - change.first_new, NEW))
+    return rows.lost(walks, ids, parts)
 
 
 def _irregular(

@@ -119,13 +119,29 @@ def harms(before: Side, after: Side, pairs: tuple[Ids, Ids], setting: Setting) -
     areas = before.total(_areas(before)), after.total(_areas(after))
     harmed |= np.abs(areas[1] - areas[0]) > MOST_AREA * areas[0]
     harmed |= _more_trias(before, after, on_edge=False) | _more_trias(before, after, on_edge=True)
-    for limits in ("shape", "size"):
-        was, now = getattr(before.appraisal, limits), getattr(after.appraisal, limits)
-        for limit in range(was.shape[1]):
-            harmed |= _exceeds(was[:, limit], now[:, limit], before.part, after.part, after.parts)
+    was, now = before.appraisal.shape, after.appraisal.shape
+    for limit in range(was.shape[1]):
+        harmed |= _exceeds(was[:, limit], now[:, limit], before.part, after.part, after.parts)
     if setting.keeps_sizes:
         harmed |= _leaves_gradation(before, after, setting)
-    return harmed
+    return harmed | _worse_by_size(before, after)
+
+
+def _worse_by_size(before: Side, after: Side) -> Bools:
+    """(P,) bool: where faults of size become more or graver, and no folded element goes for that.
+
+    What takes the place of a folded element may be as long and as narrow as all around it.
+    """
+    worse = _count_by_size(after) > _count_by_size(before)
+    severity = [side.total(side.appraisal.size.sum(axis=1)) for side in (before, after)]
+    worse |= severity[1] > severity[0] + SLACK
+    found: Bools = worse & (_folded(after) >= _folded(before))
+    return found
+
+
+def _folded(side: Side) -> Ids:
+    """(P,) concave and folded elements."""
+    return side.count(side.appraisal.regularity <= 0.0)
 
 
 def _count_by_size(side: Side) -> Ids:
@@ -247,6 +263,16 @@ def _areas(side: Side) -> Floats:
     vectors = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     areas: Floats = 0.5 * np.linalg.norm(vectors, axis=1)
     return areas
+
+
+def mean_edge(points: Floats, elements: Ints) -> float:
+    """Mean length of the sides of elements (K, 4)."""
+    following = np.roll(elements, -1, axis=1)
+    tria = elements[:, 3] == NO_NODE
+    following[tria, 2] = elements[tria, 0]
+    row, corner = np.nonzero(elements != NO_NODE)
+    sides = points[following[row, corner]] - points[elements[row, corner]]
+    return float(np.linalg.norm(sides, axis=1).mean())
 
 
 def tria_pairs(elements: Ints, nodes: int, part: Ids, parts: int) -> Ids:

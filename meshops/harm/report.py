@@ -12,6 +12,9 @@ from meshops.harm.places import Places
 from meshops.harm.rows import RowsAcross
 from meshops.harm.surfaces import SurfaceDeviation
 
+AROUND = 4
+"""Elements around a node that is put back."""
+
 ANGLE_SLACK = 0.01
 """Degrees; both are what rounded coordinates may change."""
 
@@ -209,8 +212,10 @@ class Harm:
 
     def _quality(self) -> list[str]:
         b, a = self.before, self.after
+        # where a folded node is put back, what is around it is as long and narrow as the rest
+        paid = AROUND * max(b.inverted - a.inverted, 0)
         found = [
-            _rise("elements fail by size", b.failed_by_size, a.failed_by_size),
+            _rise("elements fail by size", b.failed_by_size, a.failed_by_size - paid),
             _rise("pairs of trias share an edge", b.adjacent_trias, a.adjacent_trias),
             _rise("trias lie at a free border", b.border_trias, a.border_trias),
         ]
@@ -221,12 +226,18 @@ class Harm:
         ):
             if new < old - slack:
                 found.append(f"the {what} goes from {abs(old):.3g} to {abs(new):.3g}.")
-        if a.failed_by_size == b.failed_by_size and _more(a.size_severity, b.size_severity):
+        if (
+            a.failed_by_size == b.failed_by_size
+            and not paid
+            and _more(a.size_severity, b.size_severity)
+        ):
             found.append(
                 "faults of size are graver: their severity goes from "
                 f"{b.size_severity:.3g} to {a.size_severity:.3g}."
             )
-        if self.changed_elements and self.faults_removed <= 0 and a.irregular >= b.irregular:
+        is_milder = _more(b.shape_severity, a.shape_severity)
+        nothing = self.faults_removed <= 0 and a.irregular >= b.irregular and not is_milder
+        if self.changed_elements and nothing:
             found.append(f"{self.changed_elements} elements changed, and no fault went.")
         return [sentence for sentence in found if sentence]
 

@@ -372,7 +372,8 @@ def order_meshes(
             continue
         shape, size, trias = tally[SHAPE], tally[SIZE], tally[TRIAS]
         dire = floor(max(limits[SHAPE] - shape, 0.0) / DIRE)
-        harm = max(trias - limits[TRIAS] - dire, 0.0) + max(size - limits[SIZE], 0.0)
+        harm = max(trias - limits[TRIAS] - dire, 0.0)
+        harm += max(size - limits[SIZE] - WORST_SIZE * dire, 0.0)
         first, second = shape, trias
         if trias_first:
             harm += max(shape - limits[SHAPE], 0.0)
