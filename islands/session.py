@@ -205,11 +205,12 @@ def _work(
                 recorder.keep(files)
         if done.status == "finished":
             checkpoints.discard()
-    except OSError as error:
-        if error.errno not in _NO_ROOM:
+    except (OSError, InputError) as error:
+        cause = error if isinstance(error, OSError) else error.__cause__
+        if not isinstance(cause, OSError) or cause.errno not in _NO_ROOM:
             raise
         raise InputError(
-            f"{this.folder}: {error.strerror}. All that was written until then is there; make room "
+            f"{this.folder}: {cause.strerror}. All that was written until then is there; make room "
             f"and go on with meshipelago resume {this.folder}."
         ) from None
     finally:
