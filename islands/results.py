@@ -98,7 +98,24 @@ def closing_words(done: Finished) -> str:
         f"by size alone {before.failed_by_size} -> {after.failed_by_size}), "
         f"{before.trias} trias -> {after.trias}, compound Q.I. {before.compound_qi:.2f} -> "
         f"{after.compound_qi:.2f}, {done.irregular_before} irregular nodes -> "
-        f"{done.irregular_after}; {done.seconds:.1f} s."
+        f"{done.irregular_after}; {_smallness(done)}{done.seconds:.1f} s.{_left(done)}"
+    )
+
+
+def _smallness(done: Finished) -> str:
+    if not done.changed_elements:
+        return "nothing changed; "
+    each = done.changed_per_fault
+    share = "" if each is None else f", {each:.1f} elements for each fault that went"
+    return f"{done.changed_elements} elements and {done.changed_nodes} nodes changed{share}; "
+
+
+def _left(done: Finished) -> str:
+    if not done.left_in_rows:
+        return ""
+    return (
+        f" {done.left_in_rows:,} elements fail by size alone in regular rows and are left as they "
+        "are: another density would be needed, or another size (--size)."
     )
 
 
@@ -115,6 +132,12 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
         "before": asdict(summary(done.before)),
         "after": asdict(summary(done.after)),
         "irregular_nodes": {"before": done.irregular_before, "after": done.irregular_after},
+        "changed": {
+            "elements": done.changed_elements,
+            "nodes": done.changed_nodes,
+            "elements_per_fault": done.changed_per_fault,
+        },
+        "left_in_regular_rows": done.left_in_rows,
         "worse": list(done.worse),
         "fitness": done.fitness,
         "procedure": done.text,

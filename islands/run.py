@@ -29,6 +29,7 @@ from meshops.criteria_files import dump_criteria
 from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.formats.locks import Lock
+from meshops.guard import count_changed
 from meshops.kernels.quality import IRREGULAR
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
@@ -155,6 +156,9 @@ class Finished:
     before, after : QualityIndex
     irregular_before, irregular_after : int
         Inner nodes at which not just four elements meet.
+    changed_elements, changed_nodes : int
+    left_in_rows : int
+        Elements that fail by size alone in regular rows, which are left as they are.
     """
 
     mesh: ShellMesh
@@ -169,6 +173,15 @@ class Finished:
     after: QualityIndex
     irregular_before: int
     irregular_after: int
+    changed_elements: int
+    changed_nodes: int
+    left_in_rows: int
+
+    @property
+    def changed_per_fault(self) -> float | None:
+        """Changed elements for each failed element and tria that went; None where none went."""
+        went = self.before.failed - self.after.failed + self.before.trias - self.after.trias
+        return self.changed_elements / went if went > 0 else None
 
     @property
     def worse(self) -> tuple[str, ...]:
@@ -341,7 +354,9 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         seed=problem.seed,
         only=job.config.only,
     )
-    tally = Workpiece(mesh, setting).tally
+    after = Workpiece(mesh, setting)
+    tally = after.tally
+    changed_elements, changed_nodes = count_changed(job.mesh, mesh)
     return Finished(
         mesh=mesh,
         procedure=procedure,
@@ -355,4 +370,7 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         after=job.quality(mesh),
         irregular_before=int(np.count_nonzero(Workpiece(job.mesh, setting).irregular)),
         irregular_after=int(tally[IRREGULAR]),
+        changed_elements=changed_elements,
+        changed_nodes=changed_nodes,
+        left_in_rows=int(np.count_nonzero(after.in_regular_rows)),
     )

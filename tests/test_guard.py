@@ -17,7 +17,7 @@ from meshops.assessment import Assessment
 from meshops.criteria import PAPER, STANDARD
 from meshops.edit import Edit, apply
 from meshops.fitness import Fitness
-from meshops.guard import guarded
+from meshops.guard import count_changed, guarded
 from meshops.harm import compare, local_sizes, median_size
 from meshops.mesh import NEW, ShellMesh
 from meshops.operations import OPERATIONS
@@ -273,3 +273,19 @@ def doublet_free_pair() -> ShellMesh:
 def before_ids(mesh: ShellMesh, other: ShellMesh) -> list[int]:
     known = {tuple(p): i for p, i in zip(mesh.points.tolist(), mesh.node_ids.tolist(), strict=True)}
     return [known.get(tuple(p), NEW) for p in other.points.tolist()]
+
+
+def test_what_has_changed_is_counted():
+    mesh = sheet(6, 6)
+    assert count_changed(mesh, mesh) == (0, 0)
+    points = mesh.points.copy()
+    points[24] += (0.1, 0.0, 0.0)
+    assert count_changed(mesh, with_(mesh, points=points)) == (4, 1)
+    split = Edit(
+        removed=np.array([14], np.int32),
+        added_elements=np.array(
+            [(*mesh.elements[14][:3], -1), (*mesh.elements[14][[0, 2, 3]], -1)]
+        ),
+        added_region=np.zeros(2, np.int32),
+    )
+    assert count_changed(mesh, apply(mesh, split)) == (2, 0)

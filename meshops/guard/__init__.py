@@ -6,6 +6,7 @@ and elements (`correspondence`), nodes go home where they need not have moved (`
 each connected change is kept or taken back by itself (`rules`).
 """
 
+from meshops.guard.correspondence import count_changed
 from meshops.guard.guarding import guarded, guarded_edits
 
-__all__ = ["guarded", "guarded_edits"]
+__all__ = ["count_changed", "guarded", "guarded_edits"]

@@ -63,6 +63,26 @@ def correspondence(before: ShellMesh, after: ShellMesh) -> Change:
     return Change(points, elements.astype(np.int32), after.region, origin, first_new)
 
 
+def count_changed(before: ShellMesh, after: ShellMesh) -> tuple[int, int]:
+    """Count the elements and the nodes that are not any more as they were, or have come.
+
+    Of what went and what came in its place the more counts.
+    """
+    change = correspondence(before, after)
+    moved = change.moved(before)
+    used = np.zeros(len(moved), bool)
+    used[change.elements[change.elements != NO_NODE]] = True
+    then = np.zeros(len(moved), bool)
+    then[before.elements[before.elements != NO_NODE]] = True
+    nodes = [int(np.count_nonzero(some)) for some in (then & (moved | ~used), used & moved)]
+    stays = change.origin >= 0
+    old = before.elements[change.origin[stays]]
+    stays[stays] = same_around(old, change.elements[stays])
+    stays &= ~(moved[change.elements] & (change.elements != NO_NODE)).any(axis=1)
+    kept = int(np.count_nonzero(stays))
+    return max(len(before.elements), len(after.elements)) - kept, max(nodes)
+
+
 def in_order_of(change: Change, before: ShellMesh) -> Change:
     """Begin each element with the node that its origin begins with, where their nodes are alike."""
     known = np.nonzero(change.origin >= 0)[0]
