@@ -1,6 +1,7 @@
 """What the README shows must work as it stands there."""
 
 import re
+import shlex
 import textwrap
 import tomllib
 from pathlib import Path
@@ -43,7 +44,7 @@ def test_the_config_file_holds_the_defaults(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", sorted(set(COMMAND.findall(README))))
 def test_commands_parse(command: str) -> None:
-    name, *arguments = command.split()
+    name, *arguments = shlex.split(command)
     known = cli.commands[name]
     known.make_context(name, arguments, resilient_parsing=False)
     assert isinstance(known, click.Command)
