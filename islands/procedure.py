@@ -359,13 +359,13 @@ def subdomain_setting(setting: Setting, subdomain: Subdomain) -> Setting:
     """
     elements = len(subdomain.mesh.elements)
     fitness = replace(setting.fitness, elements=elements)
-    own = replace(setting, fitness=fitness, outside=subdomain.outside, rows=None)
+    own = replace(setting, fitness=fitness, outside=subdomain.outside, rows=None, areas=None)
     if setting.sizes is None:
         return own
     size, growth = local_growth(setting.sizes, subdomain.mesh.points)
     scoring = replace(setting.scoring, size=size, growth=growth)
     wanted = None if setting.keeps_sizes else size
-    return replace(own, scoring=scoring, element_size=wanted, sizes=None, rows=None)
+    return replace(own, scoring=scoring, element_size=wanted, sizes=None)
 
 
 def perform_steps(

@@ -102,6 +102,22 @@ def angle_extremes(mesh: ShellMesh) -> tuple[Floats, Floats]:
     return least, most
 
 
+def element_areas(points: Floats, elements: Ints) -> Floats:
+    """(M,) areas; half the cross product of its diagonals for a quad."""
+    corners = points[elements]
+    tria = elements[:, 3] == NO_NODE
+    corners[tria, 3] = corners[tria, 2]
+    vectors = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    areas: Floats = 0.5 * np.linalg.norm(vectors, axis=1)
+    return areas
+
+
+def region_areas(mesh: ShellMesh) -> Floats:
+    """(R,) area of each region."""
+    areas = np.bincount(mesh.region, element_areas(mesh.points, mesh.elements))
+    return areas.astype(np.float64)
+
+
 def median_edge(mesh: ShellMesh) -> float:
     """Median length of the mesh's edges, each counted once; InputError for no element."""
     if not len(mesh.elements):

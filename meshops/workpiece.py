@@ -32,6 +32,7 @@ from meshops.quality import (
     element_values,
     failing_penalties,
     index_of_penalties,
+    region_areas,
 )
 from meshops.rows import Rows
 from meshops.sizing import LOCAL, SizeField, at_even_size
@@ -61,6 +62,8 @@ class Setting:
     rows : Rows or None
         The rows across strips that the mesh had, which it is to keep; None: within a subdomain,
         where strips do not show.
+    areas : (R,) float64 or None
+        Of the regions that the mesh had; None: within a subdomain.
     outside : (b,) int32 or None
         Of a subdomain, whose border nodes have the ids from 1 to b: how many elements of the mesh
         around it meet at each of them; -1 where any number may.
@@ -76,6 +79,7 @@ class Setting:
     gradation: SizeField | None = None
     keeps_sizes: bool = False
     rows: Rows | None = None
+    areas: Floats | None = None
     outside: Ints | None = None
     slides: bool = False
 
@@ -103,6 +107,7 @@ class Setting:
             gradation=assessment.sizes,
             keeps_sizes=assessment.gradation == LOCAL,
             rows=None if fitness.kind == "trias" else Rows.of(mesh, feature_angle),
+            areas=region_areas(mesh),
             slides=slides,
         )
 

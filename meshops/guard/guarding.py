@@ -9,15 +9,27 @@ from meshops.guard.correspondence import Change, correspondence, in_order_of
 from meshops.guard.faults import appraise
 from meshops.guard.parts import parts_of
 from meshops.guard.restoring import restored
-from meshops.guard.rules import Side, gains, harms, is_large, spoils, tria_pairs
+from meshops.guard.rules import (
+    Side,
+    area_change,
+    gains,
+    harms,
+    is_large,
+    spoils,
+    tria_pairs,
+)
 from meshops.guard.surface import leaves_surface
 from meshops.kernels.regularity import REGULAR
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.patch import join, without_doubles
+from meshops.quality import region_areas
 from meshops.rows import Walks, edge_keys
 from meshops.subdomain import Aim
 from meshops.topology import valences
 from meshops.workpiece import Workpiece
+
+MOST_OF_REGION = 0.0008
+"""Of its area that a region may gain or lose, of which a thousandth is promised."""
 
 
 def guarded(
@@ -65,7 +77,9 @@ def guarded_edits(
 def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) -> Edit:
     """Make the edit of those parts of a change that are kept."""
     mesh = before.mesh
-    change = in_order_of(restored(mesh, change, before.setting), mesh)
+    if aim == "faults":
+        change = restored(mesh, change, before.setting)
+    change = in_order_of(change, mesh)
     was, now = _changed(mesh, change)
     if not (was.any() or now.any()):
         return Edit()
@@ -78,6 +92,7 @@ def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) ->
         kept &= gains(*sides, aim) & ~spoils(*sides)
     if aim == "faults":
         kept &= ~is_large(*sides)
+    kept &= ~_beyond_area(before, change, sides, part_now, kept)
     return _edit(mesh, change, part_was, part_now, kept)
 
 
@@ -155,6 +170,32 @@ def _fewer_rows(before: Workpiece, change: Change, part_now: Ids, parts: int) ->
     walks = Walks.of(change.points, change.elements, part_now, barriers)
     ids = np.append(before.mesh.node_ids, np.full(count - change.first_new, NEW))
     return rows.lost(walks, ids, parts)
+
+
+def _beyond_area(
+    before: Workpiece, change: Change, sides: tuple[Side, Side], part_now: Ids, kept: Bools
+) -> Bools:
+    """(P,) bool: parts that are left out so that each region keeps its area, the greatest first.
+
+    The facets of a bent part are others than they were, and a border is where it was within a share
+    of an edge: a little for each part, which adds up over a region.
+    """
+    areas, beyond = before.setting.areas, np.zeros(len(kept), bool)
+    if areas is None or not kept.any():
+        return beyond
+    growth = area_change(*sides)
+    region = np.full(len(kept), -1, np.int64)
+    region[part_now[part_now >= 0]] = change.region[part_now >= 0]
+    has_grown = region_areas(before.mesh) - areas
+    for number in np.unique(region[kept & (region >= 0)]):
+        mine = np.nonzero(kept & (region == number))[0]
+        excess = has_grown[number] + growth[mine].sum()
+        for part in mine[np.argsort(-np.abs(growth[mine]), kind="stable")]:
+            if abs(excess) <= MOST_OF_REGION * areas[number]:
+                break
+            if growth[part] * excess > 0.0:
+                beyond[part], excess = True, excess - growth[part]
+    return beyond
 
 
 def _irregular(
