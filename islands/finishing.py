@@ -68,5 +68,5 @@ def finished(work: Work, steps: tuple[Step, ...], mesh: ShellMesh | None = None)
         if smoothed > before or (method == "laplace" and smoothed == before):
             steps, mesh = (*steps, Step(smooth.code, parameters)), apply(mesh, edit)
     if work.aim is not None:
-        mesh = guarded(root, mesh, work.aim, neutral=problem.drifts)
+        mesh = guarded(root, mesh, work.aim, neutral=work.keeps_neutral)
     return Piece(steps if mesh is not work.mesh else (), mesh)

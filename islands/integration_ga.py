@@ -149,6 +149,8 @@ class Work:
     aim : "faults", "flow", "tidy" or None
         What it was cut out for, and so what the guard takes for a gain; None: a whole mesh, of
         which nothing is guarded, as in the paper.
+    keeps_neutral : bool
+        Whether the guard keeps what neither gains anything nor does harm.
     is_whole : bool
         Whether it is a mesh as one place, whose operation GAs last long enough to be shared out,
         and not one of many small parts.
@@ -161,6 +163,7 @@ class Work:
     least_trias: int = -1
     least_size: float = 0.0
     aim: Aim | None = None
+    keeps_neutral: bool = False
     is_whole: bool = False
     polish: tuple[Smoothing, ...] = ()
 

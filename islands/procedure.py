@@ -76,7 +76,7 @@ class Round:
         In the order of the subdomains.
     aim : "faults", "flow" or "tidy"
         What the subdomains were cut out for.
-    drifts : bool
+    keeps_neutral : bool
         Whether changes that gain nothing were kept too.
     """
 
@@ -84,7 +84,7 @@ class Round:
     turn: int
     places: tuple[Place, ...]
     aim: Aim = "faults"
-    drifts: bool = False
+    keeps_neutral: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,7 +234,7 @@ def round_document(done: Round, operations: tuple[Operation, ...]) -> dict[str, 
         "extent": None if done.extent is None else [done.extent.rings, done.extent.elements],
         "turn": done.turn,
         "aim": done.aim,
-        "drifts": done.drifts,
+        "keeps_neutral": done.keeps_neutral,
         "places": [
             {
                 "centre": place.centre,
@@ -263,7 +263,7 @@ def read_round(item: dict[str, Any], operations: tuple[Operation, ...]) -> Round
     if item["aim"] not in get_args(Aim):
         raise ValueError(f"a round has no aim {item['aim']!r}")
     places = tuple(_read_place(place, codes) for place in item["places"])
-    return Round(extent, int(item["turn"]), places, item["aim"], bool(item["drifts"]))
+    return Round(extent, int(item["turn"]), places, item["aim"], bool(item["keeps_neutral"]))
 
 
 def _read_place(place: dict[str, Any], codes: dict[str, int]) -> Place:
@@ -345,9 +345,9 @@ def perform_rounds(
                 surface = reference.around(subdomain.patch)
                 after = perform_steps(subdomain.mesh, place.steps, operations, own, surface)
                 root = Workpiece(subdomain.mesh, own, surface)
-                after = guarded(root, after, done.aim, neutral=done.drifts)
+                after = guarded(root, after, done.aim, neutral=done.keeps_neutral)
                 edits.append(subdomain.edit(mesh, after))
-        mesh = guarded_edits(start, edits, done.aim, neutral=done.drifts)
+        mesh = guarded_edits(start, edits, done.aim, neutral=done.keeps_neutral)
     return mesh
 
 

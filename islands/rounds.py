@@ -246,9 +246,14 @@ class _Search:
             problem = replace(problem, weights=weights, turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
-        works = [subdomain_work(problem, self.reference, part, state.aim) for part in found]
+        # a search that drifts, or that is to make rows longer everywhere, lives on small steps
+        keeps_neutral = problem.drifts or self.plan.flow > 0
+        works = [
+            subdomain_work(problem, self.reference, part, state.aim, keeps_neutral=keeps_neutral)
+            for part in found
+        ]
         states, pieces, status = self._evolve(works)
-        empty = Round(extent, turn, (), state.aim, problem.drifts)
+        empty = Round(extent, turn, (), state.aim, keeps_neutral)
         done, mesh = stitched(before, empty, found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)

@@ -16,7 +16,14 @@ from meshops.subdomain import Aim, Subdomain
 from meshops.workpiece import Workpiece
 
 
-def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain, aim: Aim) -> Work:
+def subdomain_work(
+    problem: Problem,
+    reference: Reference,
+    subdomain: Subdomain,
+    aim: Aim,
+    *,
+    keeps_neutral: bool = False,
+) -> Work:
     """Make a subdomain something for an archipelago to improve.
 
     Where faults are the aim it is done as soon as there are none.
@@ -34,6 +41,7 @@ def subdomain_work(problem: Problem, reference: Reference, subdomain: Subdomain,
         least_trias=subdomain.least_trias if aim == "faults" else -1,
         least_size=workpiece.severity_in_rows,
         aim=aim,
+        keeps_neutral=keeps_neutral,
         polish=polish_for(aim, problem.operations),
     )
 
@@ -54,5 +62,5 @@ def stitched(
         if piece.steps:
             edits.append(subdomain.edit(before.mesh, piece.mesh))
         done.append(Place((x, y, z), piece.steps))
-    after = guarded_edits(before, edits, empty.aim, neutral=empty.drifts)
+    after = guarded_edits(before, edits, empty.aim, neutral=empty.keeps_neutral)
     return replace(empty, places=tuple(done)), after

@@ -55,7 +55,7 @@ def transfer(
             edits.append(edit)
         if any(place.steps for place in places):
             mesh = guarded_edits(start, edits, done.aim)
-            rounds.append(replace(done, places=tuple(places), drifts=False))
+            rounds.append(replace(done, places=tuple(places), keeps_neutral=False))
     return mesh, tuple(rounds)
 
 

@@ -42,18 +42,17 @@ class Fitness:
     ``trias`` is the paper's (section 3.2): 100 minus the number of trias. It falls below 0 on a
     mesh with more than 100 trias.
 
-    ``quality`` orders meshes as an engineer does: shape before trias before size, and by how severe
-    faults are and not by how many. The severity s of the faults of shape is the sum of all
-    penalties of shape beyond the fail level, and z is that of size. Then comes a lower compound
-    Q.I. with fewer irregular nodes, less a small price for each operation used, which section 5.3
-    of the paper wishes for:
-    ``100 - s - h - (trias + (z + (q + price) / 2) / (31 (n + 1))) / (n + 1)``. Here n is the number
-    of elements that the run started from, q is the compound Q.I. plus `irregularity` times the
-    irregular nodes an element, brought into [0, 1) by x / (1 + x), and the price is `price` for
-    each operation, at most 1. z counts where no shape was at fault to begin with: elsewhere what
-    mends size spoils shape. h is the harm, 60 times what there is of it: trias beyond those of the
-    mesh that the search started from, but for one in the place of each element that was concave or
-    folded, and severity of size beyond what it was.
+    ``quality`` orders meshes as an engineer does: shape before trias before all else, and by how
+    severe faults are and not by how many. The severity s of the faults of shape is the sum of all
+    penalties of shape beyond the fail level. Then come fewer trias, then a lower compound Q.I., in
+    which faults of size count, with fewer irregular nodes, less a small price for each operation
+    used, which section 5.3 of the paper wishes for:
+    ``100 - s - 60 h - (trias + (q + price) / 2) / (n + 1)``. Here n is the number of elements that
+    the run started from, q is the compound Q.I. plus `irregularity` times the irregular nodes an
+    element, brought into [0, 1) by x / (1 + x), and the price is `price` for each operation, at
+    most 1. h is the harm: trias beyond those of the mesh that the search started from, but for one
+    in the place of each element that was concave or folded, and severity of size beyond what it
+    was.
 
     ``quads`` is the same with faults of shape and trias changing places; shape beyond what it was
     is harm then. A search that stands still takes this way round.

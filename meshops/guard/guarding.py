@@ -44,9 +44,10 @@ def guarded(
     after : ShellMesh
         What it was made to: it descends from the mesh by edits.
     aim : "faults", "flow" or "tidy"
-        Whether fewer irregular nodes alone are a gain: not where faults are the aim.
+        Whether fewer irregular nodes alone are a gain: not where faults are the aim. Where rows are
+        to be longer everywhere all is kept that does no harm.
     neutral : bool
-        Whether what neither gains anything nor does harm is kept too.
+        Whether what neither gains anything nor does harm is kept too, however much it is.
 
     Returns
     -------
@@ -77,7 +78,8 @@ def guarded_edits(
 def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) -> Edit:
     """Make the edit of those parts of a change that are kept."""
     mesh = before.mesh
-    if aim == "faults":
+    is_least = aim == "faults" and not neutral
+    if is_least:
         change = restored(mesh, change, before.setting)
     change = in_order_of(change, mesh)
     was, now = _changed(mesh, change)
@@ -88,9 +90,9 @@ def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) ->
     kept = ~harms(*sides, pairs, before.setting)
     kept &= ~leaves_surface(*sides)
     kept &= ~_fewer_rows(before, change, part_now, parts)
-    if not neutral:
+    if not neutral and aim != "flow":
         kept &= gains(*sides, aim) & ~spoils(*sides)
-    if aim == "faults":
+    if is_least:
         kept &= ~is_large(*sides)
     kept &= ~_beyond_area(before, change, sides, part_now, kept)
     return _edit(mesh, change, part_was, part_now, kept)

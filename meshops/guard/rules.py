@@ -97,7 +97,7 @@ def gains(before: Side, after: Side, aim: Aim) -> Bools:
     """(P,) bool: shape is less severe, or fewer trias, irregular nodes or faults of size are there.
 
     In this order: nothing of what comes later counts where something before it is worse. Irregular
-    nodes count where faults are not the aim.
+    nodes, and at last the mean quality of shape, count where faults are not the aim.
     """
     gained = np.zeros(before.parts, bool)
     undecided = np.ones(before.parts, bool)
@@ -106,6 +106,7 @@ def gains(before: Side, after: Side, aim: Aim) -> Bools:
         before.count(before.is_tria) - after.count(after.is_tria),
         (before.irregular - after.irregular) * (aim != "faults"),
         _count_by_size(before) - _count_by_size(after),
+        (_mean_regularity(after) - _mean_regularity(before)) * (aim != "faults"),
     ):
         gained |= undecided & (less > SLACK)
         undecided &= np.abs(less) <= SLACK
@@ -143,6 +144,13 @@ def _worse_by_size(before: Side, after: Side) -> Bools:
 def _folded(side: Side) -> Ids:
     """(P,) concave and folded elements."""
     return side.count(side.appraisal.regularity <= 0.0)
+
+
+def _mean_regularity(side: Side) -> Floats:
+    """(P,) mean quality of shape."""
+    elements = np.bincount(side.part, minlength=side.parts)
+    mean: Floats = side.total(side.appraisal.regularity) / np.maximum(elements, 1)
+    return mean
 
 
 def _count_by_size(side: Side) -> Ids:
@@ -215,15 +223,12 @@ def _ranked(part: Ids, severity: Floats) -> tuple[Ids, Floats]:
 
 def _is_less_shapely(before: Side, after: Side) -> Bools:
     """(P,) bool: where the least or the mean quality of shape is lower than it was."""
-    least, mean = [], []
+    least = []
     for side in (before, after):
-        shape = side.appraisal.regularity
-        lowest = np.full(side.parts, np.inf)
-        np.minimum.at(lowest, side.part, shape)
-        least.append(lowest)
-        mean.append(side.total(shape) / np.maximum(np.bincount(side.part, minlength=side.parts), 1))
-    lower: Bools = (least[1] < least[0] - SLACK) | (mean[1] < mean[0] - SLACK)
-    return lower
+        least.append(np.full(side.parts, np.inf))
+        np.minimum.at(least[-1], side.part, side.appraisal.regularity)
+    lower: Bools = least[1] < least[0] - SLACK
+    return lower | (_mean_regularity(after) < _mean_regularity(before) - SLACK)
 
 
 def _leaves_gradation(before: Side, after: Side, setting: Setting) -> Bools:

@@ -27,7 +27,7 @@ No function here allocates an element's scratch: the caller brings it.
 
 from __future__ import annotations
 
-from math import floor, inf, isfinite, isnan, nan
+from math import floor, isfinite, isnan, nan
 
 import numpy as np
 
@@ -381,9 +381,5 @@ def order_meshes(
         index = compound_index(tally, levels, weights, active, penalties, sizing)
         index += irregularity * tally[IRREGULAR] / share
         finish = (index / (1.0 + index) + prices[i]) / 2.0
-        if not 0.0 < limits[SHAPE] < inf:
-            # where shape is at fault, size is kept and not mended: what mends it spoils shape
-            finish += size
-        second += finish / (WORST_SIZE * share)
-        out[i] = 100.0 - first - HARM * harm - second / share
+        out[i] = 100.0 - first - HARM * harm - (second + finish) / share
     return out
