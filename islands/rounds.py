@@ -246,14 +246,13 @@ class _Search:
             problem = replace(problem, weights=weights, turn=turn)
         else:
             problem = replace(self.problem, weights=flow_rates(self.problem), turn=turn)
-        # a search that drifts, or that is to make rows longer everywhere, lives on small steps
-        keeps_neutral = problem.drifts or self.plan.flow > 0
+        drifts = problem.drifts
         works = [
-            subdomain_work(problem, self.reference, part, state.aim, keeps_neutral=keeps_neutral)
+            subdomain_work(problem, self.reference, part, state.aim, keeps_neutral=drifts)
             for part in found
         ]
         states, pieces, status = self._evolve(works)
-        empty = Round(extent, turn, (), state.aim, keeps_neutral)
+        empty = Round(extent, turn, (), state.aim, drifts)
         done, mesh = stitched(before, empty, found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)

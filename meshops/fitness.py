@@ -25,8 +25,8 @@ FitnessKind = Literal["trias", "quads", "quality"]
 INVALID = -np.inf
 """Fitness of an individual that makes no valid mesh: it is never selected and recorded as 0."""
 
-PRICE = 0.001
-"""What one operation of a procedure costs, on the scale of q in `Fitness`."""
+PRICE = 0.3
+"""What one operation of a procedure costs, over an element whose Q.I. is higher by 1."""
 
 IRREGULARITY = 0.3
 """What an irregular node costs, over an element whose Q.I. is higher by 1: rows of quads flow
@@ -44,15 +44,15 @@ class Fitness:
 
     ``quality`` orders meshes as an engineer does: shape before trias before all else, and by how
     severe faults are and not by how many. The severity s of the faults of shape is the sum of all
-    penalties of shape beyond the fail level. Then come fewer trias, then a lower compound Q.I., in
-    which faults of size count, with fewer irregular nodes, less a small price for each operation
-    used, which section 5.3 of the paper wishes for:
-    ``100 - s - 60 h - (trias + (q + price) / 2) / (n + 1)``. Here n is the number of elements that
-    the run started from, q is the compound Q.I. plus `irregularity` times the irregular nodes an
-    element, brought into [0, 1) by x / (1 + x), and the price is `price` for each operation, at
-    most 1. h is the harm: trias beyond those of the mesh that the search started from, but for one
-    in the place of each element that was concave or folded, and severity of size beyond what it
-    was.
+    penalties of shape beyond the fail level, and z that of the faults of size. Then come fewer
+    trias, then less severe faults of size, a lower Q.I. of what passes and fewer irregular nodes,
+    together, less a small price for each operation used, which section 5.3 of the paper wishes for:
+    ``100 - s - 60 h - (trias + z / (31 n) + (q + price / n) / 2) / n``. Here n is one more than the
+    elements that the run started from, q is the Q.I. of what passes plus `irregularity` times the
+    irregular nodes an element, brought into [0, 1) by x / (1 + x), and the price is `price` for
+    each operation. h is the harm: trias beyond those of the mesh that the search started from, but
+    for one in the place of each element that was concave or folded, and severity of size beyond
+    what it was.
 
     ``quads`` is the same with faults of shape and trias changing places; shape beyond what it was
     is harm then. A search that stands still takes this way round.
@@ -93,7 +93,7 @@ class Fitness:
             limits,
             self.elements + 1,
             self.irregularity,
-            np.zeros(len(tallies)) + np.minimum(self.price * operations, 1.0),
+            np.zeros(len(tallies)) + self.price * operations,
             INVALID,
             *scoring.arrays,
         )

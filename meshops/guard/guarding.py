@@ -44,8 +44,7 @@ def guarded(
     after : ShellMesh
         What it was made to: it descends from the mesh by edits.
     aim : "faults", "flow" or "tidy"
-        Whether fewer irregular nodes alone are a gain: not where faults are the aim. Where rows are
-        to be longer everywhere all is kept that does no harm.
+        Whether fewer irregular nodes alone are a gain: not where faults are the aim.
     neutral : bool
         Whether what neither gains anything nor does harm is kept too, however much it is.
 
@@ -90,7 +89,7 @@ def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) ->
     kept = ~harms(*sides, pairs, before.setting)
     kept &= ~leaves_surface(*sides)
     kept &= ~_fewer_rows(before, change, part_now, parts)
-    if not neutral and aim != "flow":
+    if not neutral:
         kept &= gains(*sides, aim) & ~spoils(*sides)
     if is_least:
         kept &= ~is_large(*sides)

@@ -39,6 +39,9 @@ LEAST_FAULT, MOST_FAULT, FAULT_SLOPE = 0.6, 1.2, 0.1
 """Of the whole price: what the least fault costs, the most, and what each more severity adds, so
 that what barely fails costs more than a tria and what fails by far has a way back."""
 
+AT_BORDER = 0.1
+"""What a tria with a side on a border costs beyond any other tria, over what that costs."""
+
 OFF_SIZE = 0.25
 """What an element costs that has e times the area that is wanted there, or an e-th of it."""
 
@@ -85,8 +88,10 @@ def element_cost(
     cost += prices[0] * _fault_cost(shape) + prices[4] * _fault_cost(size)
     if shape + size == 0.0:
         cost += share * index
-    if element[3] < 0:
-        cost += prices[1]
+    if d < 0:
+        outside = site[2]
+        at_border = (outside[a] < 0) + (outside[b] < 0) + (outside[c] < 0) > 1
+        cost += prices[1] * (1.0 + AT_BORDER if at_border else 1.0)
     plane, ground = site[0], site[1]
     normal = (plane[0], plane[1], plane[2])
     if not is_plane(site):

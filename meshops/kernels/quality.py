@@ -325,6 +325,18 @@ def compound_index(
 
 
 @compiled
+def passing_index(tally: Floats, weights: Floats, active: Bools) -> float:
+    """Weighted mean over the criteria of the mean penalty of the elements that pass."""
+    total, weight = 0.0, 0.0
+    for c in range(CRITERIA):
+        if active[c]:
+            weight += weights[c]
+            if tally[4 * c + 1] > 0.5:
+                total += weights[c] * tally[4 * c] / tally[4 * c + 1]
+    return total / weight if weight > 0.0 else 0.0
+
+
+@compiled
 def compound_indices(
     tallies: Floats,
     levels: Floats,
@@ -378,8 +390,9 @@ def order_meshes(
         if trias_first:
             harm += max(shape - limits[SHAPE], 0.0)
             first, second = trias, shape / share
-        index = compound_index(tally, levels, weights, active, penalties, sizing)
-        index += irregularity * tally[IRREGULAR] / share
-        finish = (index / (1.0 + index) + prices[i]) / 2.0
+        # not the compound Q.I.: what fails adds so much to it that nothing else counts any more
+        index = passing_index(tally, weights, active) + irregularity * tally[IRREGULAR] / share
+        finish = (index / (1.0 + index) + min(prices[i] / share, 1.0)) / 2.0
+        finish += size / (WORST_SIZE * share)
         out[i] = 100.0 - first - HARM * harm - (second + finish) / share
     return out
