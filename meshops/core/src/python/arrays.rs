@@ -1,0 +1,128 @@
+//! NumPy arrays as slices and back, and checks of what they hold.
+//!
+//! Arrays that lie in memory row by row are borrowed, others copied.
+
+use numpy::ndarray::Array2;
+use numpy::{Element as Item, IntoPyArray, PyArray1, PyArray2};
+use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::mesh::{Element, Facet};
+
+/// A NumPy array of one dimension, as it is returned.
+pub type Array<'py, T> = Bound<'py, PyArray1<T>>;
+
+/// A NumPy array of two dimensions, as it is returned.
+pub type Table<'py, T> = Bound<'py, PyArray2<T>>;
+
+/// An array of one dimension.
+pub enum List<'py, T: Item> {
+    /// As it lies in memory.
+    Borrowed(PyReadonlyArray1<'py, T>),
+    /// Brought together.
+    Copied(Vec<T>),
+}
+
+/// An array of rows of `W` items.
+pub enum Rows<'py, T: Item, const W: usize> {
+    /// As it lies in memory.
+    Borrowed(PyReadonlyArray2<'py, T>),
+    /// Brought together.
+    Copied(Vec<T>),
+}
+
+impl<T: Item + Copy> List<'_, T> {
+    /// The items.
+    pub fn items(&self) -> &[T] {
+        match self {
+            // contiguous, or it would have been copied
+            Self::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Self::Copied(items) => items,
+        }
+    }
+}
+
+impl<T: Item + Copy, const W: usize> Rows<'_, T, W> {
+    /// The rows.
+    pub fn rows(&self) -> &[[T; W]] {
+        let items = match self {
+            Self::Borrowed(array) => array.as_slice().unwrap_or_default(),
+            Self::Copied(items) => items,
+        };
+        items.as_chunks().0
+    }
+}
+
+impl<'a, 'py, T: Item + Copy> FromPyObject<'a, 'py> for List<'py, T> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = object.cast::<PyArray1<T>>()?.try_readonly()?;
+        if array.is_c_contiguous() {
+            Ok(Self::Borrowed(array))
+        } else {
+            Ok(Self::Copied(array.as_array().iter().copied().collect()))
+        }
+    }
+}
+
+impl<'a, 'py, T: Item + Copy, const W: usize> FromPyObject<'a, 'py> for Rows<'py, T, W> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = object.cast::<PyArray2<T>>()?.try_readonly()?;
+        if array.shape()[1] != W {
+            let shape = array.shape();
+            let message = format!("an array of shape {shape:?} where rows of {W} are needed");
+            return Err(PyValueError::new_err(message));
+        }
+        if array.is_c_contiguous() {
+            Ok(Self::Borrowed(array))
+        } else {
+            Ok(Self::Copied(array.as_array().iter().copied().collect()))
+        }
+    }
+}
+
+/// Rows as an array (n, W).
+pub fn to_rows<T: Item, const W: usize>(
+    py: Python<'_>,
+    rows: Vec<[T; W]>,
+) -> PyResult<Table<'_, T>> {
+    let shape = (rows.len(), W);
+    let array = Array2::from_shape_vec(shape, rows.into_flattened());
+    let array = array.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(array.into_pyarray(py))
+}
+
+/// Items as an array (n,).
+pub fn to_list<T: Item>(py: Python<'_>, items: Vec<T>) -> Array<'_, T> {
+    items.into_pyarray(py)
+}
+
+/// Say that something is not as it must be.
+pub fn require(holds: bool, message: &str) -> PyResult<()> {
+    if holds { Ok(()) } else { Err(PyValueError::new_err(message.to_owned())) }
+}
+
+/// Elements name three or four of some nodes.
+pub fn check_elements(elements: &[Element], nodes: usize) -> PyResult<()> {
+    let is_node = |node: i32| node >= 0 && (node as usize) < nodes;
+    let fits = elements
+        .iter()
+        .all(|[a, b, c, d]| is_node(*a) && is_node(*b) && is_node(*c) && (*d == -1 || is_node(*d)));
+    require(fits, "an element names a node that is not there")
+}
+
+/// Facets name three of some points.
+pub fn check_facets(facets: &[Facet], points: usize) -> PyResult<()> {
+    let all = facets.as_flattened();
+    check_rows(all, points, "a facet names a point that is not there")
+}
+
+/// All are rows of something that has so many.
+pub fn check_rows(rows: &[i32], count: usize, message: &str) -> PyResult<()> {
+    let fits = rows.iter().all(|row| *row >= 0 && (*row as usize) < count);
+    require(fits, message)
+}
