@@ -77,7 +77,7 @@ pub fn hypot(x: f64, y: f64) -> f64 {
 }
 
 /// Degrees of an angle in radians, rounded as Python rounds it.
-#[inline]
+#[inline(always)]
 pub fn degrees(radians: f64) -> f64 {
     radians * (180.0 / std::f64::consts::PI)
 }
@@ -89,19 +89,19 @@ pub fn radians(degrees: f64) -> f64 {
 }
 
 /// Python's `min(a, b)`: the first unless the second is less, so also where one is NaN.
-#[inline]
+#[inline(always)]
 pub fn least<T: PartialOrd>(a: T, b: T) -> T {
     if b < a { b } else { a }
 }
 
 /// Python's `max(a, b)`: the first unless the second is greater, so also where one is NaN.
-#[inline]
+#[inline(always)]
 pub fn greatest<T: PartialOrd>(a: T, b: T) -> T {
     if b > a { b } else { a }
 }
 
 /// Python's `min` of some numbers, in their order.
-#[inline]
+#[inline(always)]
 pub fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
     let mut found = numbers[0];
     for number in &numbers[1..] {
@@ -111,7 +111,7 @@ pub fn least_of<const N: usize>(numbers: [f64; N]) -> f64 {
 }
 
 /// Python's `max` of some numbers, in their order.
-#[inline]
+#[inline(always)]
 pub fn greatest_of<const N: usize>(numbers: [f64; N]) -> f64 {
     let mut found = numbers[0];
     for number in &numbers[1..] {

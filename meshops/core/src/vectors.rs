@@ -9,49 +9,49 @@ use crate::mesh::{Element, is_tria};
 pub type Vector = [f64; 3];
 
 /// Vector from one point to another, by their rows.
-#[inline]
+#[inline(always)]
 pub fn edge(points: &[Vector], from: i32, to: i32) -> Vector {
     subtract(points[to as usize], points[from as usize])
 }
 
 /// Sum.
-#[inline]
+#[inline(always)]
 pub fn add(u: Vector, v: Vector) -> Vector {
     [u[0] + v[0], u[1] + v[1], u[2] + v[2]]
 }
 
 /// Difference.
-#[inline]
+#[inline(always)]
 pub fn subtract(u: Vector, v: Vector) -> Vector {
     [u[0] - v[0], u[1] - v[1], u[2] - v[2]]
 }
 
 /// Inner product.
-#[inline]
+#[inline(always)]
 pub fn dot(u: Vector, v: Vector) -> f64 {
     u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }
 
 /// Outer product.
-#[inline]
+#[inline(always)]
 pub fn cross(u: Vector, v: Vector) -> Vector {
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }
 
 /// Euclidean length.
-#[inline]
+#[inline(always)]
 pub fn length(u: Vector) -> f64 {
     dot(u, u).sqrt()
 }
 
 /// Multiple.
-#[inline]
+#[inline(always)]
 pub fn scale(u: Vector, factor: f64) -> Vector {
     [u[0] * factor, u[1] * factor, u[2] * factor]
 }
 
 /// Vector of length 1 in the same direction; 0 for a vector without length.
-#[inline]
+#[inline(always)]
 pub fn unit(u: Vector) -> Vector {
     let size = length(u);
     if size <= 0.0 {
@@ -61,28 +61,48 @@ pub fn unit(u: Vector) -> Vector {
 }
 
 /// Area of an element times its mean unit normal.
-#[inline]
+#[inline(always)]
 pub fn area_vector(points: &[Vector], element: Element) -> Vector {
-    let [a, b, c, d] = element;
-    let last = if d < 0 { c } else { d };
-    scale(cross(edge(points, a, c), edge(points, b, last)), 0.5)
+    area_vector_of(&corners_of(points, element))
 }
 
 /// Smallest corner Jacobian against a unit normal, over the longest edge squared.
 ///
 /// At most 1 (a square: 1, an equilateral tria: 0.87); 0 or less for an element that is concave,
 /// flat or turned over as seen from the normal.
-#[inline]
+#[inline(always)]
 pub fn corner_jacobian_min(points: &[Vector], element: Element, normal: Vector) -> f64 {
+    corner_jacobian_min_of(&corners_of(points, element), is_tria(element), normal)
+}
+
+/// Places of an element's nodes; the third again as the fourth of a tria.
+#[inline(always)]
+pub fn corners_of(points: &[Vector], element: Element) -> [Vector; 4] {
     let [a, b, c, d] = element;
-    let (ab, bc) = (edge(points, a, b), edge(points, b, c));
+    let last = if d < 0 { c } else { d };
+    // one by one: what is made by a loop stays in memory
+    [points[a as usize], points[b as usize], points[c as usize], points[last as usize]]
+}
+
+/// [`area_vector`] by [`corners_of`] an element.
+#[inline(always)]
+pub fn area_vector_of(corners: &[Vector; 4]) -> Vector {
+    let [a, b, c, last] = *corners;
+    scale(cross(subtract(c, a), subtract(last, b)), 0.5)
+}
+
+/// [`corner_jacobian_min`] by [`corners_of`] an element.
+#[inline(always)]
+pub fn corner_jacobian_min_of(corners: &[Vector; 4], is_tria: bool, normal: Vector) -> f64 {
+    let [a, b, c, d] = *corners;
+    let (ab, bc) = (subtract(b, a), subtract(c, b));
     let (longest, lowest);
-    if is_tria(element) {
-        let ca = edge(points, c, a);
+    if is_tria {
+        let ca = subtract(a, c);
         longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(ca, ca)]);
         lowest = dot(cross(ab, bc), normal);
     } else {
-        let (cd, da) = (edge(points, c, d), edge(points, d, a));
+        let (cd, da) = (subtract(d, c), subtract(a, d));
         longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(cd, cd), dot(da, da)]);
         lowest = least_of([
             dot(cross(da, ab), normal),

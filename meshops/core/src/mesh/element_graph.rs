@@ -24,6 +24,29 @@ impl<'a> ElementGraph<'a> {
         self.element_edges.is_empty()
     }
 
+    /// Whether nothing leads out of it: edges are there, and are at the elements that have them.
+    pub fn is_whole(&self) -> bool {
+        let elements = self.len().min(i32::MAX as usize) as u32;
+        let has_two = |edge: usize| {
+            let [a, b] = self.edge_elements[edge];
+            (a as u32) < elements && (b as u32) < elements
+        };
+        let are_two =
+            (0..self.edge_elements.len()).all(|edge| !self.crossable[edge] || has_two(edge));
+        are_two
+            && self.element_edges.iter().zip(0..).all(|(edges, element)| {
+                edges.iter().filter(|edge| **edge >= 0).all(|edge| {
+                    let edge = *edge as usize;
+                    match self.crossable.get(edge) {
+                        Some(crossable) => {
+                            !crossable || self.edge_elements[edge].contains(&element)
+                        }
+                        None => false,
+                    }
+                })
+            })
+    }
+
     /// The element across a side, if there is one and the edge may be crossed.
     #[inline]
     pub fn across(&self, element: usize, side: usize) -> Option<usize> {
@@ -32,7 +55,7 @@ impl<'a> ElementGraph<'a> {
             return None;
         }
         let [a, b] = self.edge_elements[edge as usize];
-        Some((a + b - element as i32) as usize)
+        Some(if a == element as i32 { b } else { a } as usize)
     }
 
     /// The elements across the sides of an element, in their order.

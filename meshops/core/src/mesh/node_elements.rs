@@ -9,22 +9,29 @@ use super::csr::Csr;
 ///
 /// Elements name no node beyond `nodes`.
 pub fn elements_of_nodes(elements: &[Element], nodes: usize) -> Csr {
-    let mut start = vec![0; nodes + 1];
-    for node in elements.iter().flatten().filter(|node| **node >= 0) {
-        start[*node as usize + 1] += 1;
-    }
-    for node in 0..nodes {
-        start[node + 1] += start[node];
-    }
-    let mut fill = start.clone();
-    let mut items = vec![0; start[nodes] as usize];
-    for (row, element) in elements.iter().enumerate() {
-        for node in element.iter().filter(|node| **node >= 0) {
-            let place = &mut fill[*node as usize];
-            items[*place as usize] = row as i32;
-            *place += 1;
+    // where node n ends is counted two places on, and grows from n's start as it is filled
+    let mut start = vec![0i32; nodes + 2];
+    for node in elements.as_flattened() {
+        if *node >= 0 {
+            start[*node as usize + 2] += 1;
         }
     }
+    let mut total = 0;
+    for count in &mut start {
+        total += *count;
+        *count = total;
+    }
+    let mut items = vec![0; total as usize];
+    for (row, element) in elements.iter().enumerate() {
+        for node in element {
+            if *node >= 0 {
+                let place = &mut start[*node as usize + 1];
+                items[*place as usize] = row as i32;
+                *place += 1;
+            }
+        }
+    }
+    start.pop();
     Csr { start, items }
 }
 

@@ -3,6 +3,9 @@
 use super::element_graph::ElementGraph;
 use super::{Element, following, size_of};
 
+/// Elements out of how many, for each of the patch, are few.
+const FEW: usize = 16;
+
 /// Connected elements on nodes of their own.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Patch {
@@ -18,28 +21,21 @@ pub struct Patch {
 ///
 /// Two corners are the same patch node only where a crossable edge inside the patch joins them, so
 /// the patch is manifold even where the mesh around it is not, and a node on a slit appears once
-/// on either side. `rows` are ascending; `local` is scratch, one an element of the mesh, all -1
-/// and left so. The cost grows with the patch, not with the mesh.
-pub fn cut(
-    rows: &[i32],
-    elements: &[Element],
-    graph: ElementGraph<'_>,
-    local: &mut [i32],
-) -> Patch {
-    for (i, row) in rows.iter().enumerate() {
-        local[*row as usize] = i as i32;
-    }
+/// on either side. `rows` ascend. The cost grows with the patch, not with the mesh.
+pub fn cut(rows: &[i32], elements: &[Element], graph: ElementGraph<'_>) -> Patch {
+    let places = Places::of(rows);
     let mut corners = Corners::new(rows.len());
     let mut border_sides = Vec::new();
     for (i, row) in rows.iter().enumerate() {
         let row = *row as usize;
         let element = elements[row];
         for side in 0..size_of(element) {
-            let other = graph.across(row, side).map_or(-1, |other| local[other]);
-            if other < 0 {
+            let other = graph.across(row, side).and_then(|other| places.find(other));
+            let Some(other) = other else {
                 border_sides.push((i, side));
-            } else if other as usize > i {
-                let other = other as usize;
+                continue;
+            };
+            if other > i {
                 let neighbour = elements[rows[other] as usize];
                 let ahead = following(element, side);
                 for (k, node) in neighbour.iter().enumerate() {
@@ -51,9 +47,6 @@ pub fn cut(
                 }
             }
         }
-    }
-    for row in rows {
-        local[*row as usize] = -1;
     }
 
     let mut patch = Patch {
@@ -76,6 +69,42 @@ pub fn cut(
         }
     }
     patch
+}
+
+/// Finds an element's place among ascending rows.
+enum Places<'a> {
+    /// By the rows from a first one on: the place and 1, or 0.
+    Listed(usize, Vec<u32>),
+    /// By the rows themselves, where they are few of many.
+    Sought(&'a [i32]),
+}
+
+impl<'a> Places<'a> {
+    fn of(rows: &'a [i32]) -> Self {
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+            return Self::Sought(rows);
+        };
+        let span = (last - first) as usize + 1;
+        if span > FEW * rows.len() {
+            return Self::Sought(rows);
+        }
+        let mut listed = vec![0; span];
+        for (row, place) in rows.iter().zip(1..) {
+            listed[(row - first) as usize] = place;
+        }
+        Self::Listed(*first as usize, listed)
+    }
+
+    #[inline]
+    fn find(&self, element: usize) -> Option<usize> {
+        match self {
+            Self::Listed(first, listed) => {
+                let place = *listed.get(element.wrapping_sub(*first))?;
+                (place as usize).checked_sub(1)
+            }
+            Self::Sought(rows) => rows.binary_search(&(element as i32)).ok(),
+        }
+    }
 }
 
 /// Corners of elements that are the same node (disjoint sets).

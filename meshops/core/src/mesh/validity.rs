@@ -1,15 +1,17 @@
 //! Whether elements are valid: neither inverted, concave nor degenerate, and none twice.
 
 use super::node_elements::elements_of_nodes;
-use super::{Element, size_of};
+use super::{Element, is_tria, size_of};
 use crate::math::least;
-use crate::vectors::{Vector, area_vector, corner_jacobian_min, dot, unit};
+use crate::vectors::{
+    Vector, area_vector, area_vector_of, corner_jacobian_min_of, corners_of, dot, unit,
+};
 
 /// Cosine of the angle up to which an element may be turned against the surface under it.
 pub const FACING: f64 = 0.5;
 
 /// Unit normal of an element; 0 where it has no area.
-#[inline]
+#[inline(always)]
 pub fn unit_normal(points: &[Vector], element: Element) -> Vector {
     unit(area_vector(points, element))
 }
@@ -19,23 +21,26 @@ pub fn unit_normals(points: &[Vector], elements: &[Element]) -> Vec<Vector> {
     elements.iter().map(|element| unit_normal(points, *element)).collect()
 }
 
-/// Worst corner of an element along its own mean normal, see [`corner_jacobian_min`].
-#[inline]
+/// Worst corner of an element along its own mean normal, see
+/// [`corner_jacobian_min`](crate::vectors::corner_jacobian_min).
+#[inline(always)]
 pub fn own_corner(points: &[Vector], element: Element) -> f64 {
-    corner_jacobian_min(points, element, unit_normal(points, element))
+    let corners = corners_of(points, element);
+    corner_jacobian_min_of(&corners, is_tria(element), unit(area_vector_of(&corners)))
 }
 
 /// Worst corner of an element along its own normal; below -1 where it faces another way.
 ///
 /// `normal` is that of the surface under it.
-#[inline]
+#[inline(always)]
 pub fn corner_on_surface(points: &[Vector], element: Element, normal: Vector) -> f64 {
-    let own = unit_normal(points, element);
+    let corners = corners_of(points, element);
+    let own = unit(area_vector_of(&corners));
     let facing = dot(own, normal);
     if facing < FACING {
         return facing - 2.0;
     }
-    corner_jacobian_min(points, element, own)
+    corner_jacobian_min_of(&corners, is_tria(element), own)
 }
 
 /// Which elements have no corner along their own normal that is worse than `least`.
@@ -67,12 +72,15 @@ pub fn has_doubles(elements: &[Element], nodes: usize) -> bool {
 }
 
 /// How many pairs of equal nodes two elements have.
+#[inline(always)]
 fn shared_nodes(element: Element, other: Element) -> usize {
-    let of_other = &other[..size_of(other)];
-    element[..size_of(element)]
-        .iter()
-        .map(|node| of_other.iter().filter(|same| *same == node).count())
-        .sum()
+    let mut shared = 0;
+    for node in element {
+        for same in other {
+            shared += usize::from(node == same && node >= 0);
+        }
+    }
+    shared
 }
 
 #[cfg(test)]

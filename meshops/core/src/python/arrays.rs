@@ -108,11 +108,14 @@ pub fn require(holds: bool, message: &str) -> PyResult<()> {
 
 /// Elements name three or four of some nodes.
 pub fn check_elements(elements: &[Element], nodes: usize) -> PyResult<()> {
-    let is_node = |node: i32| node >= 0 && (node as usize) < nodes;
-    let fits = elements
-        .iter()
-        .all(|[a, b, c, d]| is_node(*a) && is_node(*b) && is_node(*c) && (*d == -1 || is_node(*d)));
-    require(fits, "an element names a node that is not there")
+    // not a loop that ends early: this one is done several elements at once
+    let nodes = nodes.min(i32::MAX as usize) as u32;
+    let missing = elements.iter().fold(false, |missing, [a, b, c, d]| {
+        // -1 becomes 0, below which nothing is
+        let fourth = (*d as u32).wrapping_add(1) > nodes;
+        missing | (*a as u32 >= nodes) | (*b as u32 >= nodes) | (*c as u32 >= nodes) | fourth
+    });
+    require(!missing, "an element names a node that is not there")
 }
 
 /// Facets name three of some points.
@@ -123,6 +126,7 @@ pub fn check_facets(facets: &[Facet], points: usize) -> PyResult<()> {
 
 /// All are rows of something that has so many.
 pub fn check_rows(rows: &[i32], count: usize, message: &str) -> PyResult<()> {
-    let fits = rows.iter().all(|row| *row >= 0 && (*row as usize) < count);
-    require(fits, message)
+    let count = count.min(i32::MAX as usize) as u32;
+    let missing = rows.iter().fold(false, |missing, row| missing | (*row as u32 >= count));
+    require(!missing, message)
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use super::arrays::{Array, List, Rows, Table, check_elements, require, to_list, to_rows};
 use crate::quality::element_quality::ElementFaults;
 use crate::quality::fitness::{Fitness, Limits};
-use crate::quality::measures::{self, Measures};
+use crate::quality::measures;
 use crate::quality::penalty;
 use crate::quality::sums::SUMS;
 use crate::quality::{CRITERIA, Levels, QualitySums, Scoring, Sizing};
@@ -82,10 +82,7 @@ fn measure_elements<'py>(
     let (points, elements) = (points.rows(), elements.rows());
     let sizing = Sizing::from(exactly::<_, 7>(sizing.items())?);
     check_elements(elements, points.len())?;
-    let values = py.detach(|| {
-        let measured = measures::measure_elements(points, elements, &sizing);
-        measured.iter().map(Measures::to_array).collect()
-    });
+    let values = py.detach(|| measures::measure_elements(points, elements, &sizing));
     to_rows(py, values)
 }
 

@@ -1,40 +1,31 @@
 //! Penalties: how far a measure is from ideal, linear between the levels of its criterion.
 
+use super::CRITERIA;
 use super::scoring::{Levels, Scoring};
-use super::{CRITERIA, SLACK};
 
 /// Severities are whole multiples of 1 / GRAIN, so that sums of them are exact in any order.
 const GRAIN: f64 = (1u64 << 20) as f64;
 
 /// Penalty of a value: linear between the levels, constant outside them, NaN for NaN.
-#[inline]
+#[inline(always)]
 pub fn penalty(value: f64, levels: &Levels, penalties: &[f64; 5]) -> f64 {
-    let Levels { mut ideal, mut good, mut warn, mut fail, mut worst, .. } = *levels;
-    let mut value = value;
-    if worst < ideal {
-        (value, ideal, good) = (-value, -ideal, -good);
-        (warn, fail, worst) = (-warn, -fail, -worst);
+    let badness = levels.badness(value);
+    let rising = levels.rising();
+    // counted and not looked for: there is nothing to guess for the processor
+    let passed = usize::from(badness > rising[0])
+        + usize::from(badness > rising[1])
+        + usize::from(badness > rising[2])
+        + usize::from(badness > rising[3])
+        + usize::from(badness > rising[4]);
+    if passed == 0 {
+        return if badness.is_nan() { f64::NAN } else { penalties[0] };
     }
-    if value <= ideal {
-        penalties[0]
-    } else if value <= good {
-        between(value, [ideal, good], [penalties[0], penalties[1]])
-    } else if value <= warn {
-        between(value, [good, warn], [penalties[1], penalties[2]])
-    } else if value <= fail {
-        between(value, [warn, fail], [penalties[2], penalties[3]])
-    } else if value <= worst {
-        between(value, [fail, worst], [penalties[3], penalties[4]])
-    } else if value.is_nan() {
-        f64::NAN
-    } else {
-        penalties[4]
+    if passed >= 5 {
+        return penalties[4];
     }
-}
-
-#[inline]
-fn between(value: f64, [low, high]: [f64; 2], [at_low, at_high]: [f64; 2]) -> f64 {
-    at_low + (value - low) / (high - low) * (at_high - at_low)
+    let (low, high) = (rising[passed - 1], rising[passed]);
+    let (at_low, at_high) = (penalties[passed - 1], penalties[passed]);
+    at_low + (badness - low) / (high - low) * (at_high - at_low)
 }
 
 /// Penalties of an element's measures; NaN where a criterion is inactive or not measured.
@@ -48,19 +39,26 @@ pub fn penalise(values: &[f64; CRITERIA], scoring: &Scoring) -> [f64; CRITERIA] 
     })
 }
 
+/// Severity of a value that fails with a penalty.
+#[inline(always)]
+pub fn severity_of(penalty: f64) -> f64 {
+    let grains = penalty * GRAIN + 0.5;
+    // cut off, which is rounding down of a positive number; a larger one is whole
+    let whole = if grains < 4e15 { grains as i64 as f64 } else { grains };
+    whole / GRAIN
+}
+
 /// Severity of a value with penalty `p`: that where it is beyond the limit, 1 where just its bound
 /// is broken, or 0.
-#[inline]
+#[inline(always)]
 pub fn severity(value: f64, p: f64, levels: &Levels, limit: f64) -> f64 {
     if p > limit {
-        return (p * GRAIN + 0.5).floor() / GRAIN;
-    }
-    let broken = if levels.worst < levels.ideal {
-        value < levels.bound * (1.0 - SLACK)
+        severity_of(p)
+    } else if levels.is_beyond_bound(levels.badness(value)) {
+        1.0
     } else {
-        value > levels.bound * (1.0 + SLACK)
-    };
-    if broken { 1.0 } else { 0.0 }
+        0.0
+    }
 }
 
 #[cfg(test)]

@@ -2,27 +2,47 @@
 
 use super::{CRITERIA, SLACK};
 
-/// Values at which a criterion is ideal to worst. They rise or fall.
+/// Values at which a criterion is ideal, good, warn, fail and worst, and the worst that a changed
+/// element may have: infinite where just the fail level counts. They rise or fall.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Levels {
-    /// Nothing is better.
-    pub ideal: f64,
-    /// Good.
-    pub good: f64,
-    /// Hardly good any more.
-    pub warn: f64,
-    /// An element beyond it fails.
-    pub fail: f64,
-    /// Nothing counts as worse.
-    pub worst: f64,
-    /// The worst that a changed element may have; infinite where just the fail level counts.
-    pub bound: f64,
+    /// -1 where the levels fall.
+    sign: f64,
+    /// Ideal to worst times the sign, so that they rise.
+    rising: [f64; 5],
+    /// The bound times the sign, and a little beyond.
+    bound: f64,
+}
+
+impl Levels {
+    /// A value times the sign: the larger, the worse.
+    #[inline(always)]
+    pub fn badness(&self, value: f64) -> f64 {
+        self.sign * value
+    }
+
+    /// Ideal to worst as badness.
+    #[inline(always)]
+    pub fn rising(&self) -> &[f64; 5] {
+        &self.rising
+    }
+
+    /// Whether a badness is beyond the bound.
+    #[inline(always)]
+    pub fn is_beyond_bound(&self, badness: f64) -> bool {
+        badness > self.bound
+    }
 }
 
 impl From<[f64; 6]> for Levels {
     fn from(levels: [f64; 6]) -> Self {
         let [ideal, good, warn, fail, worst, bound] = levels;
-        Self { ideal, good, warn, fail, worst, bound }
+        let sign = if worst < ideal { -1.0 } else { 1.0 };
+        Self {
+            sign,
+            rising: [ideal, good, warn, fail, worst].map(|level| sign * level),
+            bound: sign * bound * (1.0 + sign * SLACK),
+        }
     }
 }
 

@@ -101,10 +101,9 @@ impl QualitySums {
                 continue;
             }
             let fault = severity(values[c], p, levels, limit);
-            if c > ASPECT_RATIO {
-                self.shape += sign * fault;
-            } else {
-                self.size += sign * fault;
+            if fault != 0.0 {
+                let severities = if c > ASPECT_RATIO { &mut self.shape } else { &mut self.size };
+                *severities += sign * fault;
             }
             let sums = &mut self.criteria[c];
             if p > limit {

@@ -2,7 +2,7 @@
 
 use crate::math::{greatest_of, least_of};
 use crate::mesh::{Element, is_tria};
-use crate::vectors::{Vector, add, cross, length, subtract};
+use crate::vectors::{Vector, add, corners_of, cross, length, subtract};
 
 /// Places of an element's corners, in order around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,19 +15,14 @@ pub enum Corners {
 
 impl Corners {
     /// The corners of an element on points.
-    #[inline]
+    #[inline(always)]
     pub fn of(points: &[Vector], element: Element) -> Self {
-        let [a, b, c, d] = element;
-        let corners = [a, b, c].map(|node| points[node as usize]);
-        if is_tria(element) {
-            return Self::Tria(corners);
-        }
-        let [a, b, c] = corners;
-        Self::Quad([a, b, c, points[d as usize]])
+        let [a, b, c, d] = corners_of(points, element);
+        if is_tria(element) { Self::Tria([a, b, c]) } else { Self::Quad([a, b, c, d]) }
     }
 
     /// Mean of the corners.
-    #[inline]
+    #[inline(always)]
     pub fn centre(&self) -> Vector {
         match self {
             Self::Tria([a, b, c]) => add(add(*a, *b), *c).map(|x| x / 3.0),
@@ -48,7 +43,7 @@ pub struct TriaSides {
 }
 
 impl TriaSides {
-    #[inline]
+    #[inline(always)]
     pub fn of([a, b, c]: &[Vector; 3]) -> Self {
         let (ab, bc, ca) = (subtract(*b, *a), subtract(*c, *b), subtract(*a, *c));
         let lengths = [length(ab), length(bc), length(ca)];
@@ -81,7 +76,7 @@ pub struct QuadSides {
 }
 
 impl QuadSides {
-    #[inline]
+    #[inline(always)]
     pub fn of([a, b, c, d]: &[Vector; 4]) -> Self {
         let (ab, bc) = (subtract(*b, *a), subtract(*c, *b));
         let (cd, da) = (subtract(*d, *c), subtract(*a, *d));

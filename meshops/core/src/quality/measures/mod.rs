@@ -110,9 +110,14 @@ impl From<[f64; CRITERIA]> for Measures {
     }
 }
 
-/// Measures of elements.
-pub fn measure_elements(points: &[Vector], elements: &[Element], sizing: &Sizing) -> Vec<Measures> {
-    elements.iter().map(|element| Measures::of(&Corners::of(points, *element), sizing)).collect()
+/// Measures of elements, as [`Measures::to_array`] has them.
+pub fn measure_elements(
+    points: &[Vector],
+    elements: &[Element],
+    sizing: &Sizing,
+) -> Vec<[f64; CRITERIA]> {
+    let measure = |element| Measures::of(&Corners::of(points, element), sizing).to_array();
+    elements.iter().map(|element| measure(*element)).collect()
 }
 
 /// Logarithm of the target size in a place over that of the levels.
