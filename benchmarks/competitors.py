@@ -17,9 +17,9 @@ from benchmarks.improving import improved
 from islands.operation_ga import evolve
 from islands.run import Job
 from meshops.edit import Edit, apply
-from meshops.kernels.quality import ELEMENTS, FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
 from meshops.operations import Operation
+from meshops.quality_sums import ELEMENTS, FAILED, TRIAS
 from meshops.workpiece import Workpiece
 
 GENES = 10

@@ -21,9 +21,8 @@ from benchmarks.measures import Shape, parity_bound
 from benchmarks.parts import Part
 from benchmarks.peers import Configuration, gmsh_mesh
 from benchmarks.report import Row
-from meshops.criteria import LEVELS, Scoring
+from meshops.criteria import LEVELS, SLACK, Scoring
 from meshops.criteria_files import load_criteria
-from meshops.kernels.quality import SLACK
 from meshops.mesh import ShellMesh
 from meshops.quality_index import quality_index
 from meshops.topology import topology

@@ -15,10 +15,10 @@ from islands.operation_ga import evolve
 from islands.procedure import Step
 from meshops.edit import apply
 from meshops.fitness import INVALID, Fitness
-from meshops.kernels.quality import ELEMENTS, SHAPE, SIZE, TRIAS
 from meshops.mesh import Floats, Ids, Ints, ShellMesh
 from meshops.operations import NOTHING, Operation
 from meshops.operations.smooth import Smoothing
+from meshops.quality_sums import ELEMENTS, SHAPE, SIZE, TRIAS
 from meshops.subdomain import Aim
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece

@@ -12,9 +12,9 @@ from islands.integration_ga import Evaluator, Problem
 from islands.migration import Migrants, Migration, queue, settle
 from islands.procedure import Step
 from meshops.fitness import Fitness, FitnessKind
-from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import Floats, Ids
 from meshops.operations import NOTHING
+from meshops.quality_sums import TALLY_SIZE
 
 MIGRATING = 1
 """Last part of the key of the random numbers that migration takes: breeding has its own."""

@@ -10,9 +10,10 @@ import numpy as np
 from islands.archipelago import Milestone
 from islands.island import IslandState
 from islands.procedure import steps_text
-from meshops.kernels.quality import FAILED, TRIAS, compound_index
+from meshops._core import compound_index
 from meshops.mesh import Floats
 from meshops.operations import Operation
+from meshops.quality_sums import FAILED, TRIAS
 from meshops.workpiece import Setting
 from tracking.events import Event, FaultReport, GenerationReport, MigrationReport
 
@@ -123,7 +124,7 @@ class Reporter:
                 best_so_far=float(self._fitness(best[None])[0]),
                 trias=int(best[TRIAS]),
                 failed=int(best[FAILED]),
-                compound_qi=float(compound_index(best, *self._setting.scoring.arrays)),
+                compound_qi=compound_index(best, self._setting.scoring.core),
                 evaluations=asked,
                 performed=scored,
                 seconds=time.monotonic() - self._started,

@@ -26,8 +26,8 @@ from islands.search import Evolution, Plan, SearchState, Watchers
 from islands.sliding import slid
 from islands.stitching import stitched, subdomain_work
 from meshops.guard import guarded
-from meshops.kernels.quality import FAILED, IRREGULAR, SHAPE_FAILED, TRIAS
 from meshops.mesh import Floats, ShellMesh
+from meshops.quality_sums import FAILED, IRREGULAR, SHAPE_FAILED, TRIAS
 from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Workpiece

@@ -30,10 +30,10 @@ from meshops.errors import InputError
 from meshops.fitness import Fitness
 from meshops.formats.locks import Lock
 from meshops.guard import count_changed
-from meshops.kernels.quality import IRREGULAR
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
 from meshops.quality_index import QualityIndex
+from meshops.quality_sums import IRREGULAR
 from meshops.reference import Reference
 from meshops.sizing import LOCAL
 from meshops.topology import topology

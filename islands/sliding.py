@@ -7,8 +7,8 @@ import numpy as np
 from islands.integration_ga import Problem
 from islands.procedure import Place, Round, Step, subdomain_setting
 from meshops.edit import apply
-from meshops.kernels.quality import SHAPE, SIZE
 from meshops.operations.slide import SHIFTS, Slide
+from meshops.quality_sums import SHAPE, SIZE
 from meshops.reference import Reference
 from meshops.subdomain import Extent, Subdomain, subdomains
 from meshops.workpiece import Workpiece

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from meshops.criteria import LEVELS, NAMES, Criteria, Scoring
-from meshops.kernels.measures import CHORDAL_DEV
-from meshops.kernels.quality import penalise
+from meshops._core import penalise
+from meshops.criteria import CHORDAL_DEV, LEVELS, NAMES, Criteria, Scoring
 from meshops.mesh import Bools, Floats, ShellMesh
 from meshops.quality import (
     chordal_deviation,
@@ -79,7 +78,7 @@ class Assessment:
 
     def penalties(self, mesh: ShellMesh) -> Floats:
         """(M, 12) penalties; NaN where a criterion is not active or does not apply."""
-        penalties: Floats = penalise(self.values(mesh), *self.full_scoring.arrays)
+        penalties: Floats = penalise(self.values(mesh), self.full_scoring.core)
         return penalties
 
     def failing(self, mesh: ShellMesh) -> Bools:

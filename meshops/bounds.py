@@ -6,12 +6,13 @@ from math import degrees, inf, sqrt
 
 import numpy as np
 
-from meshops.criteria import FALLING, NAMES
-from meshops.kernels.measures import (
+from meshops.criteria import (
+    FALLING,
     MAX_ANGLE_QUAD,
     MAX_ANGLE_TRIA,
     MIN_ANGLE_QUAD,
     MIN_ANGLE_TRIA,
+    NAMES,
 )
 from meshops.mesh import ShellMesh
 from meshops.quality import angle_extremes

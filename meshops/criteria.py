@@ -16,6 +16,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from meshops import _core
 from meshops.errors import InputError
 from meshops.mesh import Bools, Floats
 
@@ -36,6 +37,14 @@ NAMES = (
 )
 """The thirteen criteria, in the order of every array that has one place a criterion."""
 
+CRITERIA = 12
+"""How many criteria are measured on each element; the thirteenth is of the mesh."""
+
+MIN_SIZE, MAX_LENGTH, ASPECT_RATIO, WARPAGE = 0, 1, 2, 3
+MAX_ANGLE_QUAD, MIN_ANGLE_QUAD, MAX_ANGLE_TRIA, MIN_ANGLE_TRIA = 4, 5, 6, 7
+SKEW, JACOBIAN, CHORDAL_DEV, TAPER = 8, 9, 10, 11
+PERCENT_TRIAS = 12
+
 LENGTHS = ("min size", "max length", "chordal dev")
 """The criteria whose values are lengths; only their levels can be multiples of the target size."""
 
@@ -55,6 +64,9 @@ chordal deviation, which says how well it follows the surface."""
 LEVELS = ("ideal", "good", "warn", "fail", "worst")
 
 PENALTIES = (0.0, 0.0, 0.8, 1.0, 10.0)
+
+SLACK = 1e-9
+"""Penalty beyond that of the fail level that is rounding, not failure."""
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 Levels = tuple[float, float, float, float, float]
@@ -207,7 +219,7 @@ class Scoring:
 
     @cached_property
     def arrays(self) -> ScoringArrays:
-        """Levels, weights, active, penalties, sizing: the last arguments of every kernel."""
+        """Levels, weights, active, penalties, sizing."""
         return (
             self.levels,
             self.weights,
@@ -215,6 +227,11 @@ class Scoring:
             self.penalties,
             self.sizing,
         )
+
+    @cached_property
+    def core(self) -> _core.Scoring:
+        """The same as the core takes it."""
+        return _core.Scoring(*self.arrays)
 
     @cached_property
     def sizing(self) -> Floats:

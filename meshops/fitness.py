@@ -7,18 +7,10 @@ from typing import Literal
 
 import numpy as np
 
+from meshops import _core
 from meshops.criteria import Scoring
-from meshops.kernels.quality import (
-    ELEMENTS,
-    FAILED,
-    SHAPE,
-    SHAPE_FAILED,
-    SIZE,
-    TALLY_SIZE,
-    TRIAS,
-    order_meshes,
-)
 from meshops.mesh import Floats, Ids
+from meshops.quality_sums import ELEMENTS, FAILED, SHAPE, SHAPE_FAILED, SIZE, TRIAS
 
 FitnessKind = Literal["trias", "quads", "quality"]
 
@@ -85,19 +77,10 @@ class Fitness:
         if self.kind == "trias":
             valid = np.isfinite(tallies[:, ELEMENTS])
             return np.where(valid, 100.0 - tallies[:, TRIAS], INVALID)
-        limits = np.full(TALLY_SIZE, np.inf)
-        limits[list(_LIMITED)] = self.limits
-        fitness: Floats = order_meshes(
-            tallies,
-            self.kind == "quads",
-            limits,
-            self.elements + 1,
-            self.irregularity,
-            np.zeros(len(tallies)) + self.price * operations,
-            INVALID,
-            *scoring.arrays,
+        order = _core.Fitness(
+            self.limits, self.elements + 1, self.irregularity, self.kind == "quads"
         )
-        return fitness
+        return order.of(tallies, np.zeros(len(tallies)) + self.price * operations, scoring.core)
 
     def of_faults(self, tally: Floats) -> float:
         """Fitness of one tally (TALLY_SIZE,) by the numbers of its faults and trias alone."""

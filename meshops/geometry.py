@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from meshops._core import valid_elements
 from meshops.errors import InputError
 from meshops.kernels.clipping import clip_ears
 from meshops.kernels.packing import pack_squares
 from meshops.kernels.pairing import split_quads
 from meshops.kernels.smoothing import smooth
-from meshops.kernels.soundness import sound_elements
 from meshops.kernels.uniting import unite_trias
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.outlines import Outlines, loops_of
@@ -172,6 +172,6 @@ def _quads(points: Floats, trias: Ints, border_nodes: int, surface: PatchSurface
     elements = unite_trias(points, elements)
     smooth(points, elements, border_nodes, SMOOTHING_SWEEPS)
     surface.project(points, border_nodes)
-    sound = sound_elements(points, elements, LEAST_CORNER)
+    sound = valid_elements(points, elements, LEAST_CORNER)
     split: Ints = split_quads(points, elements, ~sound)
     return split

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.kernels.rings import trace_loops
+from meshops._core import trace_loops
 from meshops.mesh import Ints
 from meshops.patch import Patch, components, extract
 from meshops.workpiece import Workpiece

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.patches import cut, label_components
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.topology import Topology
 
@@ -48,12 +47,7 @@ def components(topology: Topology, selected: Bools) -> list[Ints]:
 
     Elements that must stay are left out. Each is a list of element rows, ascending.
     """
-    label = label_components(
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        selected & topology.editable,
-    )
+    label = topology.graph.label_components(selected & topology.editable)
     chosen = np.nonzero(label >= 0)[0].astype(np.int32)
     if not len(chosen):
         return []
@@ -68,21 +62,10 @@ def extract(topology: Topology, rows: Ints) -> Patch:
 
 
 def extract_each(topology: Topology, components: Iterable[Ints]) -> Iterator[Patch]:
-    """Cut out components; the rows of each ascending.
-
-    What is as large as the mesh is made once for all of them and not for each.
-    """
+    """Cut out components; the rows of each ascending."""
     mesh = topology.mesh
-    scratch = np.full(len(mesh.elements), -1, np.int32)
     for rows in components:
-        elements, nodes, border = cut(
-            rows,
-            mesh.elements,
-            topology.element_edges,
-            topology.edge_elements,
-            topology.crossable,
-            scratch,
-        )
+        elements, nodes, border = topology.graph.cut(rows, mesh.elements)
         yield Patch(
             points=mesh.points[nodes],
             elements=elements,

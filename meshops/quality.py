@@ -7,20 +7,23 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops.criteria import NAMES, SIZES, Scoring
-from meshops.errors import InputError
-from meshops.kernels import quality as kernel
-from meshops.kernels import surface
-from meshops.kernels.measures import (
+from meshops import _core
+from meshops.criteria import (
     CHORDAL_DEV,
+    CRITERIA,
     MAX_ANGLE_QUAD,
     MAX_ANGLE_TRIA,
     MIN_ANGLE_QUAD,
     MIN_ANGLE_TRIA,
+    NAMES,
+    SIZES,
+    SLACK,
+    Scoring,
 )
+from meshops.errors import InputError
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
 
-SHAPES = [row for row, name in enumerate(NAMES[: kernel.CRITERIA]) if name not in SIZES]
+SHAPES = [row for row, name in enumerate(NAMES[:CRITERIA]) if name not in SIZES]
 """Rows of the criteria of shape among those of elements."""
 
 
@@ -30,8 +33,7 @@ def element_values(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | Non
     Returns (M, 12) float64: lengths in the mesh's unit, angles in degrees. NaN where a criterion
     does not apply to the element; chordal deviation is NaN without a reference surface.
     """
-    values = np.empty((len(mesh.elements), kernel.CRITERIA))
-    kernel.measure_elements(mesh.points, mesh.elements, scoring.sizing, values)
+    values = _core.measure_elements(mesh.points, mesh.elements, scoring.sizing)
     if reference is not None:
         values[:, CHORDAL_DEV] = chordal_deviation(mesh, reference)
     return values
@@ -42,8 +44,7 @@ def element_penalties(
 ) -> Floats:
     """(M, 12) penalties; NaN where a criterion is not active or does not apply."""
     scoring = replace(scoring, with_reference=reference is not None)
-    penalties: Floats = kernel.penalise(element_values(mesh, scoring, reference), *scoring.arrays)
-    return penalties
+    return _core.penalise(element_values(mesh, scoring, reference), scoring.core)
 
 
 def failed_elements(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | None = None) -> Bools:
@@ -60,7 +61,7 @@ def element_index(mesh: ShellMesh, scoring: Scoring, reference: ShellMesh | None
 
 def failing_penalties(penalties: Floats, scoring: Scoring) -> Bools:
     """Which of some penalties lie beyond that of the fail level; NaN does not."""
-    failing: Bools = penalties > scoring.penalties[3] + kernel.SLACK
+    failing: Bools = penalties > scoring.penalties[3] + SLACK
     return failing
 
 
@@ -70,7 +71,7 @@ def failed_by_family(penalties: Floats, scoring: Scoring) -> tuple[Bools, Bools]
     By their (M, 12) penalties.
     """
     failing = failing_penalties(penalties, scoring)
-    by_size = np.isin(NAMES[: kernel.CRITERIA], SIZES)
+    by_size = np.isin(NAMES[:CRITERIA], SIZES)
     shape: Bools = np.any(failing[:, ~by_size], axis=1)
     size: Bools = np.any(failing[:, by_size], axis=1) & ~shape
     return shape, size
@@ -82,7 +83,7 @@ def index_of_penalties(penalties: Floats, scoring: Scoring) -> Floats:
     The weighted mean of the penalties that pass plus the weighted sum of those that fail, over the
     criteria that apply to the element.
     """
-    weights = np.where(np.isnan(penalties), 0.0, scoring.weights[: kernel.CRITERIA])
+    weights = np.where(np.isnan(penalties), 0.0, scoring.weights[:CRITERIA])
     failing = failing_penalties(penalties, scoring)
     weighted = weights * np.nan_to_num(penalties)
     total = np.where(failing, 0.0, weights).sum(axis=1)
@@ -94,8 +95,7 @@ def index_of_penalties(penalties: Floats, scoring: Scoring) -> Floats:
 
 def angle_extremes(mesh: ShellMesh) -> tuple[Floats, Floats]:
     """Smallest and largest angle of each element, (M,) degrees; over 180 in a concave corner."""
-    values = np.empty((len(mesh.elements), kernel.CRITERIA))
-    kernel.measure_elements(mesh.points, mesh.elements, np.zeros(7), values)
+    values = _core.measure_elements(mesh.points, mesh.elements, np.zeros(7))
     is_tria = mesh.is_tria
     least = np.where(is_tria, values[:, MIN_ANGLE_TRIA], values[:, MIN_ANGLE_QUAD])
     most = np.where(is_tria, values[:, MAX_ANGLE_TRIA], values[:, MAX_ANGLE_QUAD])
@@ -179,13 +179,13 @@ def _distances(queries: Floats, reference: ShellMesh, trias: Ints) -> Floats:
     found = np.zeros(len(queries))
     if not len(queries):
         return found
-    spheres = surface.bounding_spheres(reference.points, trias)
+    spheres = _core.bounding_spheres(reference.points, trias)
     tree = cKDTree(spheres[:, :3])
     # a tria that is nearer than the nearest centre has its own centre within its radius of that
     bounds = tree.query(queries)[0] + spheres[:, 3].max()
     for row, near in enumerate(tree.query_ball_point(queries, bounds * (1.0 + 1e-9))):
         rows = np.sort(near)
-        _, distance, _ = surface.nearest(
+        _, distance, _ = _core.nearest(
             queries[row : row + 1], reference.points, trias[rows], spheres[rows]
         )
         found[row] = distance[0]

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from meshops.criteria import LENGTHS, NAMES, Scoring
-from meshops.kernels import quality as kernel
+from meshops import _core
+from meshops.criteria import CRITERIA, LENGTHS, NAMES, PERCENT_TRIAS, SLACK, Scoring
 from meshops.mesh import NEW, Floats, ShellMesh
 from meshops.quality import (
     element_values,
@@ -16,6 +16,7 @@ from meshops.quality import (
     failing_penalties,
     index_of_penalties,
 )
+from meshops.quality_sums import ELEMENTS, FAILED, QUADS, TRIAS
 
 SHOWN = 3
 """How many of the worst elements a row names."""
@@ -174,11 +175,11 @@ def quality_index(
 
 def index_of_values(mesh: ShellMesh, values: Floats, scoring: Scoring) -> QualityIndex:
     """Report on a mesh by the (M, 12) measures of its elements."""
-    penalties = kernel.penalise(values, *scoring.arrays)
-    tally = kernel.tally_values(values, mesh.is_tria, *scoring.arrays)
+    penalties = _core.penalise(values, scoring.core)
+    tally = _core.sum_measures(values, mesh.is_tria, scoring.core)
     rows = [
         _element_row(mesh, scoring, c, values[:, c], penalties[:, c], tally)
-        for c in range(kernel.CRITERIA)
+        for c in range(CRITERIA)
     ]
     element_qi = index_of_penalties(penalties, scoring)
     by_shape, by_size = failed_by_family(penalties, scoring)
@@ -186,15 +187,15 @@ def index_of_values(mesh: ShellMesh, values: Floats, scoring: Scoring) -> Qualit
         criteria=scoring.criteria.name,
         size=scoring.size,
         rows=(*rows, _trias_row(scoring, tally)),
-        compound_qi=float(kernel.compound_index(tally, *scoring.arrays)),
+        compound_qi=_core.compound_index(tally, scoring.core),
         mean_element_qi=float(element_qi.mean()) if len(element_qi) else 0.0,
-        elements=int(tally[kernel.ELEMENTS]),
-        quads=int(tally[kernel.QUADS]),
-        trias=int(tally[kernel.TRIAS]),
-        failed=int(tally[kernel.FAILED]),
+        elements=int(tally[ELEMENTS]),
+        quads=int(tally[QUADS]),
+        trias=int(tally[TRIAS]),
+        failed=int(tally[FAILED]),
         failed_by_shape=int(np.count_nonzero(by_shape)),
         failed_by_size=int(np.count_nonzero(by_size)),
-        percent_trias=float(kernel.percent_trias(tally)),
+        percent_trias=_core.percent_trias(tally),
     )
 
 
@@ -212,18 +213,18 @@ def _element_row(
         row,
         percent_failed=100.0 * len(failed) / len(measured),
         worst=float(values[measured[np.argmax(badness[measured])]]),
-        index=float(kernel.criterion_index(tally, c)),
+        index=float(_core.criterion_indices(tally)[c]),
         worst_elements=tuple(_label(mesh, element) for element in worst),
     )
 
 
 def _trias_row(scoring: Scoring, tally: Floats) -> CriterionRow:
-    row = _blank_row(scoring, kernel.PERCENT_TRIAS)
+    row = _blank_row(scoring, PERCENT_TRIAS)
     if not row.active:
         return row
-    percent = float(kernel.percent_trias(tally))
-    index = kernel.penalty(percent, scoring.levels[kernel.PERCENT_TRIAS], scoring.penalties)
-    failing = index > scoring.penalties[3] + kernel.SLACK
+    percent = _core.percent_trias(tally)
+    index = _core.penalty_of(percent, PERCENT_TRIAS, scoring.core)
+    failing = index > scoring.penalties[3] + SLACK
     return replace(row, percent_failed=100.0 * failing, worst=percent, index=float(index))
 
 

@@ -8,10 +8,8 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops.kernels.edges import find_edges
+from meshops._core import find_edges, unit_normals
 from meshops.kernels.pairing import split_quads
-from meshops.kernels.patches import label_components
-from meshops.kernels.soundness import unit_normals
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.patch import Patch
 from meshops.surface import PatchSurface
@@ -104,7 +102,4 @@ def _surface_zones(mesh: ShellMesh, feature_angle: float) -> Ints:
     free = ShellMesh.build(mesh.points, mesh.elements, region=mesh.region)
     found = topology(free, feature_angle=feature_angle)
     everything = np.ones(len(mesh.elements), bool)
-    zones: Ints = label_components(
-        found.element_edges, found.edge_elements, found.crossable, everything
-    )
-    return zones
+    return found.graph.label_components(everything)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from meshops._core import all_facing, has_doubles, valid_elements
 from meshops.edit import Edit
 from meshops.kernels.pairing import pair_up, split_quads
-from meshops.kernels.quality import IRREGULAR, TALLY_SIZE
 from meshops.kernels.smoothing import smooth
-from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
 from meshops.mesh import Floats, Ints
 from meshops.patch import Patch, extract, join, stitch
+from meshops.quality_sums import IRREGULAR, TALLY_SIZE
 from meshops.remesher import RemeshError, remesh_isotropic
 from meshops.surface import PatchSurface
 from meshops.workpiece import Workpiece
@@ -118,10 +118,10 @@ def remesh_patch(
     elements = recombine(points, trias)
     smooth(points, elements, patch.border_nodes, SMOOTHING_SWEEPS)
     reference.project(points, patch.border_nodes)
-    sound = sound_elements(points, elements, LEAST_CORNER)
+    sound = valid_elements(points, elements, LEAST_CORNER)
     if not sound.all():
         elements = split_quads(points, elements, ~sound)
-        if not sound_elements(points, elements, LEAST_CORNER).all():
+        if not valid_elements(points, elements, LEAST_CORNER).all():
             return None
     tolerance = SURFACE_TOLERANCE * edge
     normals = reference.normals_at(points, elements, tolerance)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.kernels.edges import find_edges
+from meshops._core import find_edges
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.topology import topology
 

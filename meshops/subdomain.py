@@ -9,7 +9,6 @@ from typing import Literal
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.partition import partition
 from meshops.mesh import NEW, NO_NODE, Floats, Ints, ShellMesh
 from meshops.patch import Patch, extract_each
 from meshops.surface import PatchSurface
@@ -138,15 +137,7 @@ def subdomains(
     if not len(bad):
         return []
     bad = np.roll(bad, -(turn * len(bad)) // 3) if turn else bad
-    label = partition(
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        topology.editable,
-        np.ascontiguousarray(bad),
-        extent.rings,
-        extent.elements,
-    )
+    label = topology.graph.partition(topology.editable, bad, extent.rings, extent.elements)
     chosen = np.nonzero(label >= 0)[0].astype(np.int32)
     order = np.argsort(label[chosen], kind="stable")
     ends = np.cumsum(np.bincount(label[chosen]))[:-1]

@@ -8,9 +8,8 @@ from math import dist
 
 import numpy as np
 
+from meshops._core import areas_of, bounding_spheres, nearest, plane_of, unit_normals
 from meshops.kernels.pairing import as_trias
-from meshops.kernels.soundness import unit_normals
-from meshops.kernels.surface import areas_of, bounding_spheres, nearest, plane_of
 from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 
@@ -75,8 +74,7 @@ class PatchSurface:
         _, distance, tria = self._nearest(_centres(points, elements))
         if distance.max() > tolerance:
             return None
-        normals: Floats = unit_normals(self.points, _as_elements(self.trias[tria]))
-        return normals
+        return unit_normals(self.points, _as_elements(self.trias[tria]))
 
     def is_covered(self, patch: Patch, points: Floats, elements: Ints, tolerance: float) -> bool:
         """Whether the new elements cover the surface: no hole, no lap, no old node left behind."""
@@ -96,8 +94,7 @@ class PatchSurface:
     @cached_property
     def spheres(self) -> Floats:
         """(t, 4) centres and radii of spheres around the trias."""
-        spheres: Floats = bounding_spheres(self.points, self.trias)
-        return spheres
+        return bounding_spheres(self.points, self.trias)
 
     def near(self, points: Floats, margin: float) -> tuple[Ints, Floats]:
         """Trias (T, 3) that points up to `margin` away from some points can be nearest to.
@@ -113,8 +110,7 @@ class PatchSurface:
         return self.trias[near], self.spheres[near]
 
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
-        found: tuple[Floats, Floats, Ints] = nearest(queries, self.points, self.trias, self.spheres)
-        return found
+        return nearest(queries, self.points, self.trias, self.spheres)
 
 
 def _centres(points: Floats, elements: Ints) -> Floats:

@@ -7,10 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from meshops.kernels.edges import find_edges
-from meshops.kernels.patches import cut, label_components
-from meshops.kernels.soundness import unit_normals
+from meshops._core import ElementGraph, find_edges, unit_normals
 from meshops.mesh import NO_NODE, Bools, Floats, Ints, ShellMesh
+
+FAR = 1 << 30
+"""Rings to an element that cannot be reached."""
+
+REGULAR = 4
+"""Elements that meet at a regular inner node."""
 
 FEATURE_ANGLE = 30.0
 """Degrees between the normals of two elements from which their edge counts as a feature."""
@@ -59,6 +63,11 @@ class Topology:
         return junction
 
     @cached_property
+    def graph(self) -> ElementGraph:
+        """Elements joined across crossable edges."""
+        return ElementGraph(self.element_edges, self.edge_elements, self.crossable)
+
+    @cached_property
     def fans(self) -> tuple[Ints, Ints, int]:
         """Fans: elements around a node that crossable edges connect.
 
@@ -68,14 +77,7 @@ class Topology:
         """
         mesh = self.mesh
         rows = np.arange(len(mesh.elements), dtype=np.int32)
-        corners, nodes, border = cut(
-            rows,
-            mesh.elements,
-            self.element_edges,
-            self.edge_elements,
-            self.crossable,
-            np.full(len(rows), -1, np.int32),
-        )
+        corners, nodes, border = self.graph.cut(rows, mesh.elements)
         return corners, nodes, int(border.max()) + 1 if len(border) else 0
 
     @cached_property
@@ -175,10 +177,7 @@ class Topology:
 
         Elements that no operation may take out have -1.
         """
-        zones: Ints = label_components(
-            self.element_edges, self.edge_elements, self.crossable, self.editable
-        )
-        return zones
+        return self.graph.label_components(self.editable)
 
 
 def topology(mesh: ShellMesh, *, feature_angle: float = FEATURE_ANGLE) -> Topology:
@@ -210,5 +209,4 @@ def valences(elements: Ints, nodes: int) -> Ints:
 
 def element_normals(mesh: ShellMesh) -> Floats:
     """(M, 3) unit normals; a quad's is that of its two diagonals; zero for a flat line."""
-    normals: Floats = unit_normals(mesh.points, mesh.elements)
-    return normals
+    return unit_normals(mesh.points, mesh.elements)

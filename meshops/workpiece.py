@@ -8,24 +8,19 @@ from typing import Self
 
 import numpy as np
 
+from meshops._core import (
+    elements_of_nodes,
+    irregular_change,
+    irregular_nodes,
+    penalise,
+    sum_elements,
+    sum_measures,
+)
 from meshops.assessment import Assessment
 from meshops.bounds import bounds_of
 from meshops.criteria import Scoring
 from meshops.edit import Edit
 from meshops.fitness import Fitness
-from meshops.kernels.patches import rings_around
-from meshops.kernels.quality import (
-    FAILED,
-    IRREGULAR,
-    SHAPE_FAILED,
-    SIZE,
-    TRIAS,
-    penalise,
-    tally_elements,
-    tally_values,
-)
-from meshops.kernels.regularity import irregular_change, irregular_nodes
-from meshops.kernels.smoothing import elements_of_nodes
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ints, ShellMesh
 from meshops.quality import (
     SHAPES,
@@ -34,6 +29,7 @@ from meshops.quality import (
     index_of_penalties,
     region_areas,
 )
+from meshops.quality_sums import FAILED, IRREGULAR, SHAPE_FAILED, SIZE, TRIAS
 from meshops.rows import Rows
 from meshops.sizing import LOCAL, SizeField, at_even_size
 from meshops.surface import PatchSurface
@@ -151,9 +147,8 @@ class Workpiece:
     @cached_property
     def tally(self) -> Floats:
         """(TALLY_SIZE,) sums over all elements, from which fitness follows."""
-        tally: Floats = tally_values(
-            self._values_at_even_size, self.mesh.is_tria, *self.setting.scoring.arrays
-        )
+        scoring = self.setting.scoring.core
+        tally = sum_measures(self._values_at_even_size, self.mesh.is_tria, scoring)
         tally[IRREGULAR] = np.count_nonzero(self.irregular)
         return tally
 
@@ -172,8 +167,7 @@ class Workpiece:
     @cached_property
     def irregular(self) -> Bools:
         """(N,) bool: inner nodes at which not just four elements meet."""
-        irregular: Bools = irregular_nodes(self.around[0], self.outside)
-        return irregular
+        return irregular_nodes(self.around[0], self.outside)
 
     @cached_property
     def irregular_elements(self) -> Bools:
@@ -195,19 +189,16 @@ class Workpiece:
 
     @cached_property
     def _penalties(self) -> Floats:
-        penalties: Floats = penalise(self._values_at_even_size, *self.setting.scoring.arrays)
-        return penalties
+        return penalise(self._values_at_even_size, self.setting.scoring.core)
 
     @cached_property
     def around(self) -> tuple[Ints, Ints]:
         """The elements of each node, as `elements_of_nodes` finds them."""
-        around: tuple[Ints, Ints] = elements_of_nodes(self.mesh.elements, len(self.mesh.points))
-        return around
+        return elements_of_nodes(self.mesh.elements, len(self.mesh.points))
 
     def tally_of(self, points: Floats, elements: Ints) -> Floats:
         """(TALLY_SIZE,) sums over some elements."""
-        tally: Floats = tally_elements(points, elements, *self.setting.scoring.arrays)
-        return tally
+        return sum_elements(points, elements, self.setting.scoring.core)
 
     def tally_change(self, edit: Edit) -> Floats:
         """(TALLY_SIZE,) what the edit adds to the tally of the mesh."""
@@ -231,10 +222,7 @@ class Workpiece:
 
     def irregular_change(self, gone: Ints, new: Ints) -> int:
         """How many more nodes are irregular once elements (B, 4) have come for the rows `gone`."""
-        start = self.around[0]
-        counts = np.zeros(max(len(start) - 1, int(new.max(initial=-1)) + 1), np.int32)
-        change: int = irregular_change(gone, new, self.mesh.elements, start, self.outside, counts)
-        return change
+        return irregular_change(gone, new, self.mesh.elements, self.around[0], self.outside)
 
     def fitness(self, tallies: Floats) -> Floats:
         """(P,) fitness of (P, TALLY_SIZE) tallies."""
@@ -311,11 +299,4 @@ class Workpiece:
 
         0 for the bad elements themselves; a large number where none can be reached.
         """
-        rings: Ints = rings_around(
-            self.topology.element_edges,
-            self.topology.edge_elements,
-            self.topology.crossable,
-            self.topology.editable,
-            self.bad_elements,
-        )
-        return rings
+        return self.topology.graph.rings_around(self.topology.editable, self.bad_elements)

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshops.kernels.patches import label_components
 from meshops.mesh import Bools, Ints
 from meshops.methods.flatten import FlatPatch
 from meshops.patch import Patch, extract
@@ -37,9 +36,9 @@ def flat_zones(raw: Topology) -> list[Zone]:
     mesh = raw.mesh
     smooth_edges = raw.crossable | _needle_edges(raw)
     everywhere = np.ones(len(mesh.elements), bool)
-    label = label_components(raw.element_edges, raw.edge_elements, smooth_edges, everywhere)
-    count = int(label.max()) + 1
     whole = replace(raw, crossable=smooth_edges)
+    label = whole.graph.label_components(everywhere)
+    count = int(label.max()) + 1
     for widest in WIDEST:
         for zone in range(count):
             rows = np.nonzero(label == zone)[0].astype(np.int32)
@@ -83,7 +82,7 @@ def _parts_by_normal(whole: Topology, rows: Ints, widest: float) -> Ints:
         facing = normals @ normals[first]
         left &= (facing >= least) | (np.linalg.norm(normals, axis=1) == 0.0)
         left[first] = True
-        near = label_components(whole.element_edges, whole.edge_elements, whole.crossable, left)
+        near = whole.graph.label_components(left)
         part[near == near[first]] = count
         count += 1
     _join_scraps(whole, part, count)

@@ -10,7 +10,7 @@ from islands.island import IslandPlan, IslandState
 from islands.migration import Migration
 from islands.stopping import Stopping
 from islands.topology import Topology
-from meshops.kernels.quality import TALLY_SIZE
+from meshops.quality_sums import TALLY_SIZE
 
 
 @dataclass(frozen=True)

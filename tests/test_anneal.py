@@ -11,7 +11,6 @@ from meshops.examples import SIZE, plate
 from meshops.fitness import Fitness
 from meshops.kernels.annealing import anneal
 from meshops.kernels.living import fan, living, settle, take_back
-from meshops.kernels.quality import FAILED, IRREGULAR, TRIAS
 from meshops.kernels.retopology import (
     collapse_diagonal_of,
     collapse_side,
@@ -23,6 +22,7 @@ from meshops.kernels.retopology import (
 )
 from meshops.operations.anneal import HEATS, Anneal, _doubles_an_edge
 from meshops.patch import Patch, extract
+from meshops.quality_sums import FAILED, IRREGULAR, TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import unsound
 from tests.meshes import FLAT_KINDS, cylinder, meshes, sheet

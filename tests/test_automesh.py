@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import TRIAS
 from meshops.methods import METHODS
 from meshops.operations.automesh import Automesh, ranked_zones
+from meshops.quality_sums import TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
     CURVED_KINDS,

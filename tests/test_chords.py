@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations.coarsen import Coarsen
 from meshops.operations.collapse_chord import CollapseChord
@@ -19,6 +18,7 @@ from meshops.operations.judge import judge
 from meshops.operations.refine import Refine
 from meshops.operations.replace_chain import ReplaceChain
 from meshops.operations.transport_tria import TransportTria
+from meshops.quality_sums import TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
     CURVED_KINDS,

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import Edit, apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import IRREGULAR
 from meshops.mesh import NEW, ShellMesh
+from meshops.quality_sums import IRREGULAR
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import meshes, sheet, with_
 

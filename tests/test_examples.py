@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 import scipy.spatial
 
+from meshops._core import has_doubles, valid_elements
 from meshops.criteria import PAPER
 from meshops.examples import EXAMPLES, plate
-from meshops.kernels.soundness import has_doubles, sound_elements
 from meshops.mesh import ShellMesh
 from meshops.quality_index import quality_index
 from meshops.topology import Topology, topology
@@ -64,7 +64,7 @@ def test_does_not_depend_on_the_order_in_which_qhull_answers(
 
 
 def test_elements_are_sound_and_counter_clockwise(mesh: ShellMesh) -> None:
-    assert sound_elements(mesh.points, mesh.elements, 0.15).all()
+    assert valid_elements(mesh.points, mesh.elements, 0.15).all()
     assert (shoelace(mesh) > 0.0).all()
     assert not has_doubles(mesh.elements, len(mesh.points))
 

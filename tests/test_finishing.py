@@ -13,9 +13,9 @@ from islands.executors.local import LocalExecutor, LocalRunner
 from islands.finishing import Piece, finished, polish_for
 from islands.integration_ga import Evaluator, Work
 from islands.procedure import perform_steps
-from meshops.kernels.quality import FAILED, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations.smooth import Smoothing
+from meshops.quality_sums import FAILED, TRIAS
 from meshops.workpiece import Workpiece
 from tests.decks import bad_plate
 from tests.jobs import job, problem_of

@@ -24,9 +24,9 @@ from islands.integration_ga import (
 from islands.island import IslandPlan, IslandState, OwnFitness, step
 from islands.migration import Migration
 from islands.procedure import perform_steps
-from meshops.kernels.quality import SHAPE, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import NOTHING
+from meshops.quality_sums import SHAPE, TALLY_SIZE, TRIAS
 from tests.decks import bad_plate
 from tests.jobs import problem_of
 

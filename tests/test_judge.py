@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import ELEMENTS
 from meshops.mesh import ShellMesh
 from meshops.operations.candidates import Candidates
 from meshops.operations.judge import judge
 from meshops.operations.split_quad import SplitQuad
 from meshops.operations.swap_edge import SwapEdge
+from meshops.quality_sums import ELEMENTS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
     PLANE_KINDS,

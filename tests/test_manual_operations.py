@@ -11,7 +11,6 @@ from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
 from meshops.holes import holes
-from meshops.kernels.quality import ELEMENTS, TRIAS
 from meshops.mesh import NEW, ShellMesh
 from meshops.operations.create_nodes import CreateNodes
 from meshops.operations.delete_entity import COLLAPSED, DOUBLED, ISLAND, DeleteEntity
@@ -19,6 +18,7 @@ from meshops.operations.edit_element import EditElement
 from meshops.operations.quick_edit import THICKNESSES, QuickEdit
 from meshops.operations.renumber import renumber
 from meshops.operations.templates import CENTRE, dissections, stars
+from meshops.quality_sums import ELEMENTS, TRIAS
 from meshops.surface import PatchSurface
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from meshops.kernels.measures import (
+from meshops._core import measure_elements
+from meshops.criteria import (
     ASPECT_RATIO,
     CHORDAL_DEV,
-    CRITERIA,
     JACOBIAN,
     MAX_ANGLE_QUAD,
     MAX_ANGLE_TRIA,
@@ -23,20 +23,16 @@ from meshops.kernels.measures import (
     SKEW,
     TAPER,
     WARPAGE,
-    measure_element,
 )
-from meshops.kernels.vectors import corner_jacobian_min
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 TRIA = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, sqrt(3) / 2, 0]])
 
 
 def measure(points, *, normalised=False, order=(0, 1, 2, 3)):
-    values = np.full(CRITERIA, -7.0)
     nodes = (*order[: len(points)], -1)[:4]
     sizing = np.array([normalised, 0, 0, 0, 0, 0, 0], float)
-    measure_element(np.ascontiguousarray(points, float), *nodes, sizing, values)
-    return values
+    return measure_elements(np.asarray(points, float), np.array([nodes], np.int32), sizing)[0]
 
 
 def shapes(corners, bend=0.3):
@@ -204,15 +200,3 @@ def test_degenerate_elements_have_the_worst_angles(points, normalised):
         (MAX_ANGLE_QUAD, MIN_ANGLE_QUAD) if len(points) == 4 else (MAX_ANGLE_TRIA, MIN_ANGLE_TRIA)
     )
     assert (v[largest], v[smallest], v[SKEW]) == (180, 0, 90)
-
-
-def test_corner_jacobian():
-    def least(points, normal=(0.0, 0.0, 1.0)):
-        nodes = (0, 1, 2, 3 if len(points) == 4 else -1)
-        return corner_jacobian_min(points, *nodes, *normal)
-
-    assert least(SQUARE * 7) == pytest.approx(1)
-    assert least(TRIA * 7) == pytest.approx(sqrt(3) / 2)
-    assert least(SQUARE, (0.0, 0.0, -1.0)) == pytest.approx(-1)
-    assert least(np.array([[0.0, 0, 0], [2, 0, 0], [0.5, 0.5, 0], [0, 2, 0]])) < 0
-    assert least(SQUARE[[0, 0, 0, 0]]) == 0

@@ -7,23 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba import njit
 
-from meshops.criteria import NAMES, PAPER, STANDARD, Criterion
-from meshops.kernels.quality import (
-    CRITERIA,
-    ELEMENTS,
-    FAILED,
-    QUADS,
-    TALLY_SIZE,
-    TRIAS,
-    add_element,
-    compound_index,
-    compound_indices,
-    measure_element,
-    penalty,
-    tally_elements,
-)
+from meshops._core import Scoring, compound_index, compound_indices, penalty_of, sum_elements
+from meshops.criteria import CRITERIA, NAMES, PAPER, STANDARD, Criterion
 from meshops.mesh import ShellMesh
 from meshops.quality import (
     element_index,
@@ -31,6 +17,7 @@ from meshops.quality import (
     element_values,
     failed_elements,
 )
+from meshops.quality_sums import ELEMENTS, FAILED, QUADS, TALLY_SIZE, TRIAS
 
 SCORING = STANDARD.at(1.0)
 WEIGHTED = replace(
@@ -97,19 +84,19 @@ def plain_compound(mesh, scoring):
 @pytest.mark.parametrize("criterion", STANDARD.criteria, ids=NAMES)
 def test_published_penalties_at_the_levels(criterion):
     row = NAMES.index(criterion.name)
-    found = [penalty(level, SCORING.levels[row], SCORING.penalties) for level in criterion.levels]
+    found = [penalty_of(level, row, SCORING.core) for level in criterion.levels]
     assert found == pytest.approx([0, 0, 0.8, 1, 10])
     beyond = 2 * criterion.levels[4] - criterion.levels[0]
     before = 2 * criterion.levels[0] - criterion.levels[4]
-    assert penalty(beyond, SCORING.levels[row], SCORING.penalties) == 10
-    assert penalty(before, SCORING.levels[row], SCORING.penalties) == 0
-    assert math.isnan(penalty(math.nan, SCORING.levels[row], SCORING.penalties))
+    assert penalty_of(beyond, row, SCORING.core) == 10
+    assert penalty_of(before, row, SCORING.core) == 0
+    assert math.isnan(penalty_of(math.nan, row, SCORING.core))
 
 
 def test_max_length_of_figure_5():
     # two elements of 8.00 where 7.50 fails: the figure's Q.I. is 8.08
     scoring = PAPER.at(5.0)
-    assert 2 * penalty(8.0, scoring.levels[1], scoring.penalties) == pytest.approx(8.0)
+    assert 2 * penalty_of(8.0, 1, scoring.core) == pytest.approx(8.0)
 
 
 @settings(max_examples=100, deadline=None)
@@ -120,14 +107,16 @@ def test_penalties_are_monotone_and_linear_between_levels(row, x, y):
         x, y = max(x, y), min(x, y)
     else:
         x, y = min(x, y), max(x, y)
-    better, worse = (penalty(v, levels, SCORING.penalties) for v in (x, y))
+    better, worse = (penalty_of(v, row, SCORING.core) for v in (x, y))
     assert 0 <= better <= worse + 1e-12 <= 10 + 1e-11
     assert better == pytest.approx(plain_penalty(x, levels, SCORING.penalties), abs=1e-12)
 
 
 def test_equal_levels_make_a_step():
-    levels = np.array([0.0, 0.0, 5.0, 5.0, 5.0])
-    found = [penalty(v, levels, SCORING.penalties) for v in (0.0, 2.5, 5.0, 5.1)]
+    levels = SCORING.levels.copy()
+    levels[0] = 0.0, 0.0, 5.0, 5.0, 5.0, math.inf
+    steps = Scoring(levels, *SCORING.arrays[1:])
+    found = [penalty_of(v, 0, steps) for v in (0.0, 2.5, 5.0, 5.1)]
     assert found == pytest.approx([0, 0.4, 0.8, 10])
 
 
@@ -135,9 +124,9 @@ def test_equal_levels_make_a_step():
 @given(st.integers(0, 10**6), st.sampled_from([STANDARD, PAPER, WEIGHTED]))
 def test_compound_index_is_that_of_its_definition(seed, criteria):
     mesh, scoring = random_mesh(seed), criteria.at(1.0)
-    tally = tally_elements(mesh.points, mesh.elements, *scoring.arrays)
+    tally = sum_elements(mesh.points, mesh.elements, scoring.core)
     compound, failed = plain_compound(mesh, scoring)
-    assert compound_index(tally, *scoring.arrays) == pytest.approx(compound, rel=1e-10)
+    assert compound_index(tally, scoring.core) == pytest.approx(compound, rel=1e-10)
     assert set(np.flatnonzero(failed_elements(mesh, scoring))) == failed
     counts = [len(mesh.elements), (~mesh.is_tria).sum(), mesh.is_tria.sum(), len(failed)]
     assert tally[[ELEMENTS, QUADS, TRIAS, FAILED]].tolist() == counts
@@ -152,41 +141,6 @@ def test_element_index_is_that_of_its_definition(seed):
         applies = ~np.isnan(row)
         weights = scoring.weights[:CRITERIA][applies]
         assert index == pytest.approx(plain_index(weights, row[applies], row[applies] > 2))
-
-
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 10**6), st.data())
-def test_a_tally_kept_up_is_the_tally_of_what_is_left(seed, data):
-    mesh = random_mesh(seed, side=5)
-    scoring = PAPER.at(1.0)
-    present = np.zeros(len(mesh.elements), bool)
-    tally, scratch = np.zeros(TALLY_SIZE), np.empty(CRITERIA)
-    steps = data.draw(st.lists(st.integers(0, len(mesh.elements) - 1), max_size=100))
-    for element in steps:
-        sign = -1.0 if present[element] else 1.0
-        nodes = mesh.elements[element]
-        add_element(tally, mesh.points, *nodes, sign, scratch, *scoring.arrays)
-        present[element] ^= True
-    expected = tally_elements(mesh.points, mesh.elements[present], *scoring.arrays)
-    np.testing.assert_allclose(tally, expected, atol=1e-9)
-    assert compound_index(tally, *scoring.arrays) == pytest.approx(
-        compound_index(expected, *scoring.arrays), abs=1e-9
-    )
-
-
-def test_scoring_unpacks_inside_compiled_code():
-    @njit
-    def total(points, elements, scoring):
-        tally, scratch = np.zeros(TALLY_SIZE), np.empty(CRITERIA)
-        for e in elements:
-            add_element(tally, points, e[0], e[1], e[2], e[3], 1.0, scratch, *scoring)
-        return tally
-
-    mesh = random_mesh(3)
-    np.testing.assert_array_equal(
-        total(mesh.points, mesh.elements, SCORING.arrays),
-        tally_elements(mesh.points, mesh.elements, *SCORING.arrays),
-    )
 
 
 @settings(max_examples=20, deadline=None)
@@ -206,23 +160,21 @@ def test_quality_does_not_depend_on_the_unit_of_length(seed, scale):
 )
 def test_degenerate_elements_take_the_worst_penalty(nodes):
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]])
-    tally = tally_elements(points, np.array([nodes], np.int32), *SCORING.arrays)
+    tally = sum_elements(points, np.array([nodes], np.int32), SCORING.core)
     assert np.isfinite(tally).all()
     assert tally[FAILED] == 1
     angles = (6, 7) if nodes[3] < 0 else (4, 5)
     assert [tally[4 * c + 2] for c in angles] == [10, 10]
-    assert np.isfinite(compound_index(tally, *SCORING.arrays))
+    assert np.isfinite(compound_index(tally, SCORING.core))
 
 
 def test_rounding_does_not_fail_an_element():
     # the edge of a length of exactly the fail level, in many directions
     scoring = PAPER.having(*(replace(c, active=False) for c in PAPER.criteria[2:]), name="lengths")
-    values = np.empty(CRITERIA)
     for turn in np.linspace(0, 2 * np.pi, 50):
         along = np.array([np.cos(turn), np.sin(turn), 0.3]) / np.hypot(1, 0.3)
         across = np.array([-np.sin(turn), np.cos(turn), 0.0])
         points = np.array([0 * along, 7.5 * along, 7.5 * along + 2.5 * across, 2.5 * across])
-        measure_element(points, 0, 1, 2, 3, np.zeros(7), values)
         mesh = ShellMesh.build(points, [[0, 1, 2, 3]])
         assert not failed_elements(mesh, scoring.at(5.0)).any()
 
@@ -230,27 +182,27 @@ def test_rounding_does_not_fail_an_element():
 def test_criteria_of_trias_stay_in_the_mean_when_the_last_tria_has_gone():
     points = [[0, 0, 0], [1, 0, 0], [1, 1, 0.15], [0, 1, 0], [2, 0.5, 0]]
     quad = ShellMesh.build(points, [[0, 1, 2, 3]])
-    tally = tally_elements(quad.points, quad.elements, *SCORING.arrays)
+    tally = sum_elements(quad.points, quad.elements, SCORING.core)
     penalties = np.nansum(element_penalties(quad, SCORING))
     assert 0 < penalties < 1
-    assert compound_index(tally, *SCORING.arrays) == pytest.approx(penalties / 12)
+    assert compound_index(tally, SCORING.core) == pytest.approx(penalties / 12)
 
 
 def test_nothing_scores_nothing():
     mesh = ShellMesh.build(np.zeros((0, 3)), np.zeros((0, 4)))
-    tally = tally_elements(mesh.points, mesh.elements, *SCORING.arrays)
+    tally = sum_elements(mesh.points, mesh.elements, SCORING.core)
     assert not tally.any()
-    assert compound_index(tally, *SCORING.arrays) == 0
+    assert compound_index(tally, SCORING.core) == 0
     assert len(element_index(mesh, SCORING)) == 0
 
 
 def test_many_tallies_at_once():
     tallies = np.stack(
-        [tally_elements(m.points, m.elements, *SCORING.arrays) for m in map(random_mesh, range(3))]
+        [sum_elements(m.points, m.elements, SCORING.core) for m in map(random_mesh, range(3))]
         + [np.full(TALLY_SIZE, np.nan)]
     )
-    found = compound_indices(tallies, *SCORING.arrays)
-    assert found[:3].tolist() == [compound_index(t, *SCORING.arrays) for t in tallies[:3]]
+    found = compound_indices(tallies, SCORING.core)
+    assert found[:3].tolist() == [compound_index(t, SCORING.core) for t in tallies[:3]]
     assert np.isnan(found[3])
 
 
@@ -262,8 +214,8 @@ def test_a_failed_element_counts_alone_and_a_passing_one_on_average():
     points = [[0, 0, 0], [long, 0, 0], [long, 1, 0], [0, 1, 0]]
     points += [[9, 0, 0], [9 + longer, 0, 0], [9 + longer, 1, 0], [9, 1, 0]]
     mesh = ShellMesh.build(points, [[0, 1, 2, 3], [4, 5, 6, 7]])
-    tally = tally_elements(mesh.points, mesh.elements, *scoring.arrays)
-    assert compound_index(tally, *scoring.arrays) == pytest.approx(0.8 + 5.5)
+    tally = sum_elements(mesh.points, mesh.elements, scoring.core)
+    assert compound_index(tally, scoring.core) == pytest.approx(0.8 + 5.5)
     assert element_index(mesh, scoring) == pytest.approx([0.8, 5.5])
 
 
@@ -273,6 +225,6 @@ def test_an_inactive_criterion_counts_nowhere():
     off = STANDARD.having(replace(STANDARD["skew"], active=False), name="off").at(1.0)
     other = STANDARD.having(worse, name="other").at(1.0)
     np.testing.assert_array_equal(element_index(mesh, off), element_index(mesh, other))
-    tallies = [tally_elements(mesh.points, mesh.elements, *s.arrays) for s in (off, other)]
+    tallies = [sum_elements(mesh.points, mesh.elements, s.core) for s in (off, other)]
     np.testing.assert_array_equal(*tallies)
-    assert compound_index(tallies[0], *off.arrays) == compound_index(tallies[1], *other.arrays)
+    assert compound_index(tallies[0], off.core) == compound_index(tallies[1], other.core)

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import TRIAS
 from meshops.methods import METHODS
 from meshops.operations import Remesh
 from meshops.operations.remesh import LOCAL, MOST_RINGS, SHIFTS, SIZES, remesh_place, select
 from meshops.patch import extract
+from meshops.quality_sums import TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, within, zones
 from tests.meshes import CURVED_KINDS, FLAT_KINDS, in_two_regions, meshes, sheet, with_

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import FAILED, TRIAS
 from meshops.operations import RemeshRanges
 from meshops.operations.remesh_ranges import select
+from meshops.quality_sums import FAILED, TRIAS
 from meshops.remeshing import joint_change, replace_patch
 from meshops.topology import topology
 from meshops.workpiece import Setting, Workpiece

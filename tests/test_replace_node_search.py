@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from meshops._core import compound_indices
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import QUADS, TRIAS, compound_indices
 from meshops.operations import ReplaceNode, ReplaceNodePairs
 from meshops.operations.replace_node import mergeable_pairs, ranked_pairs
+from meshops.quality_sums import QUADS, TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import sheet, with_
 
@@ -53,7 +54,7 @@ def test_the_pool_is_the_pairs_that_harm_quality_least():
 
     def harm(space):
         alone = space.tallies(np.arange(len(space.pool))[:, None])
-        return np.sort(compound_indices(alone, *piece.setting.scoring.arrays))
+        return np.sort(compound_indices(alone, piece.setting.scoring.core))
 
     assert len(chosen.pool) == quarter < len(everything.pool)
     assert len({tuple(pair) for pair in chosen.pool.tolist()}) == quarter

@@ -14,9 +14,9 @@ from islands.rates import adapted_rates, credits_of, first_credit, named_rates
 from islands.rounds import LEADING, moving_on
 from islands.run import Finished, run
 from meshops.examples import plate
-from meshops.kernels.quality import SHAPE_FAILED, TALLY_SIZE, TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations import ALL_OPERATIONS
+from meshops.quality_sums import SHAPE_FAILED, TALLY_SIZE, TRIAS
 from meshops.subdomain import Extent
 from tests.decks import bad_plate
 from tests.jobs import faults, finish, job, problem_of

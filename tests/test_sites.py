@@ -6,11 +6,11 @@ from hypothesis import strategies as st
 
 from meshops.criteria import STANDARD
 from meshops.fitness import Fitness
-from meshops.kernels.quality import QUADS, TRIAS
 from meshops.operations.judge import judge
 from meshops.operations.sites import SiteSpace, apply_sites, format_sites
 from meshops.operations.split_quad import SplitQuad
 from meshops.operations.swap_edge import SwapEdge
+from meshops.quality_sums import QUADS, TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import FLAT_KINDS, centre, meshes, sheet, with_
 from tests.wholeness import assert_sound, assert_zones_are_whole, tried

@@ -8,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshops._core import element_faults
 from meshops.criteria import PAPER, STANDARD, Criterion
 from meshops.criteria_files import OFF
 from meshops.edit import apply
 from meshops.examples import plate
 from meshops.fitness import Fitness
-from meshops.kernels.node_scores import element_quality
-from meshops.kernels.quality import FAILED
 from meshops.operations.smooth import METHODS, RINGS, Smooth
 from meshops.quality import element_index, failed_elements
+from meshops.quality_sums import FAILED
 from meshops.topology import element_normals, topology
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
@@ -157,13 +157,9 @@ def test_places_are_smoothed_one_after_the_other():
 @settings(deadline=None, max_examples=30)
 def test_elements_are_judged_as_everywhere_else(mesh):
     scoring = STANDARD.at(1.1)
-    found = [
-        element_quality(mesh.points, element, np.empty(12), scoring.arrays)
-        for element in mesh.elements
-    ]
-    np.testing.assert_allclose([index for _, index in found], element_index(mesh, scoring))
-    severe = [severity > 0 for severity, _ in found]
-    np.testing.assert_array_equal(severe, failed_elements(mesh, scoring))
+    shape, size, index = element_faults(mesh.points, mesh.elements, scoring.core).T
+    np.testing.assert_allclose(index, element_index(mesh, scoring))
+    np.testing.assert_array_equal(shape + size > 0, failed_elements(mesh, scoring))
 
 
 # --- what must not change -----------------------------------------------------------------------

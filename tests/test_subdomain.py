@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import IRREGULAR
 from meshops.operations import OPERATIONS
 from meshops.patch import components, extract, join
 from meshops.quality import element_index
+from meshops.quality_sums import IRREGULAR
 from meshops.subdomain import Extent, Subdomain, places, subdomains
 from meshops.workpiece import Setting, Workpiece
 from tests.measures import barriers, corners, crossable_edges, place, sides, users, within

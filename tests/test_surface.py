@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshops.kernels.surface import bounding_spheres, nearest
+from meshops._core import bounding_spheres, nearest
 from meshops.patch import components, extract
 from meshops.surface import PatchSurface
 from meshops.topology import topology

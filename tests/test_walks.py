@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.quality import TRIAS
 from meshops.mesh import ShellMesh
 from meshops.operations.judge import judge
 from meshops.operations.strips import Strips, worst_trias
 from meshops.operations.transport_tria import TransportTria
+from meshops.quality_sums import TRIAS
 from meshops.workpiece import Setting, Workpiece
 from tests.meshes import (
     FLAT_KINDS,

@@ -23,8 +23,8 @@ from islands.integration_ga import (
     remembered,
     run_task,
 )
-from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import ShellMesh
+from meshops.quality_sums import TALLY_SIZE
 
 TRIES = 4
 """Processes that an operation GA may end before it has no answer."""

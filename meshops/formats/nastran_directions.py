@@ -13,7 +13,6 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from meshops.formats.difference import Difference
-from meshops.kernels.patches import label_components
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.topology import element_normals, topology
 
@@ -116,7 +115,7 @@ def part_by_direction(mesh: ShellMesh, angles: Floats) -> tuple[ShellMesh, Ints]
     agree = edges.crossable.copy()
     left, right = edges.edge_elements[agree].T
     agree[agree] = _agree(mesh, _directions(mesh, angles), left, right)
-    part = label_components(edges.element_edges, edges.edge_elements, agree, directed)
+    part = replace(edges, crossable=agree).graph.label_components(directed)
     names = np.where(directed, mesh.region.max() + 1 + part, mesh.region)
     _, first, number = np.unique(names, return_index=True, return_inverse=True)
     order = np.argsort(first)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops.kernels.edges import find_edges
+from meshops._core import find_edges
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 
 NEAR = 0.4

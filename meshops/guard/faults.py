@@ -6,8 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from meshops.kernels.measures import (
+from meshops._core import measure_elements, penalise
+from meshops.criteria import (
     ASPECT_RATIO,
+    CRITERIA,
     JACOBIAN,
     MAX_ANGLE_QUAD,
     MAX_ANGLE_TRIA,
@@ -16,10 +18,10 @@ from meshops.kernels.measures import (
     MIN_ANGLE_TRIA,
     MIN_SIZE,
     SKEW,
+    SLACK,
     TAPER,
     WARPAGE,
 )
-from meshops.kernels.quality import CRITERIA, SLACK, measure_elements, penalise
 from meshops.mesh import NO_NODE, Bools, Floats, Ints
 from meshops.workpiece import Setting
 
@@ -62,14 +64,13 @@ class Appraisal:
 def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
     """Appraise elements (K, 4) on points, lengths by the sizes that the setting wants anywhere."""
     scoring = setting.scoring
-    values = np.empty((len(elements), CRITERIA))
     if setting.gradation is not None:
         scoring = replace(scoring, growth=(0.0,) * 6)
-    measure_elements(points, elements, scoring.sizing, values)
+    values = measure_elements(points, elements, scoring.sizing)
     if setting.gradation is not None:
         local = setting.gradation.at(centres(points, elements))
         values[:, [MIN_SIZE, MAX_LENGTH]] *= (scoring.size / local)[:, None]
-    penalties = penalise(values, *scoring.arrays)
+    penalties = penalise(values, scoring.core)
     limit = scoring.penalties[3] + SLACK
     fails = penalties > limit
     bound = scoring.levels[:CRITERIA, 5]

@@ -19,13 +19,12 @@ from meshops.guard.rules import (
     tria_pairs,
 )
 from meshops.guard.surface import leaves_surface
-from meshops.kernels.regularity import REGULAR
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.patch import join, without_doubles
 from meshops.quality import region_areas
 from meshops.rows import Walks, edge_keys
 from meshops.subdomain import Aim
-from meshops.topology import valences
+from meshops.topology import REGULAR, valences
 from meshops.workpiece import Workpiece
 
 MOST_OF_REGION = 0.0008

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from meshops._core import unit_normals
+from meshops.criteria import SLACK
 from meshops.guard.correspondence import Change
 from meshops.guard.faults import Appraisal, appraise
-from meshops.kernels.quality import SLACK
-from meshops.kernels.soundness import unit_normals
 from meshops.mesh import NO_NODE, Bools, Ints, ShellMesh
 from meshops.workpiece import Setting
 

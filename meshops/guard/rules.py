@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshops._core import find_edges
+from meshops.criteria import MAX_LENGTH, MIN_SIZE, SLACK
 from meshops.guard.faults import Appraisal
-from meshops.kernels.edges import find_edges
-from meshops.kernels.measures import MAX_LENGTH, MIN_SIZE
-from meshops.kernels.quality import SLACK
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.quality import element_areas
 from meshops.subdomain import Aim

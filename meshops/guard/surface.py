@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshops._core import bounding_spheres, find_edges, nearest, unit_normals
 from meshops.guard.rules import Side, mean_edge
-from meshops.kernels.edges import find_edges
 from meshops.kernels.pairing import as_trias
-from meshops.kernels.soundness import unit_normals
-from meshops.kernels.surface import bounding_spheres, nearest
 from meshops.mesh import NO_NODE, Bools, Floats, Ints
 
 OFF = 0.01

@@ -7,16 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from meshops._core import all_facing, has_doubles, valid_elements
 from meshops.edit import Edit
 from meshops.fitness import IRREGULARITY
 from meshops.kernels.annealing import anneal
 from meshops.kernels.node_scores import EVEN
 from meshops.kernels.optimising import optimise
-from meshops.kernels.patches import disc
-from meshops.kernels.quality import TALLY_SIZE
-from meshops.kernels.soundness import all_facing, has_doubles, sound_elements
 from meshops.mesh import NO_NODE, Floats, Ids, Ints
 from meshops.patch import Patch, components, extract, join, stitch
+from meshops.quality_sums import TALLY_SIZE
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.surface import PatchSurface
 from meshops.topology import valences
@@ -144,14 +143,7 @@ def annealed(workpiece: Workpiece, place: Ints) -> Edit:
     topology, bad = workpiece.topology, workpiece.bad_elements
     if not 1 <= rank <= len(bad):
         return Edit()
-    chosen = disc(
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        topology.editable,
-        bad[rank - 1],
-        rings,
-    )
+    chosen = topology.graph.disc(topology.editable, bad[rank - 1], rings)
     edits = [_anneal_patch(workpiece, rows, heat, seed) for rows in components(topology, chosen)]
     return join(workpiece.mesh, [edit for edit in edits if not edit.is_empty])
 
@@ -242,7 +234,7 @@ def _is_valid(
     """Whether new elements within the border of a patch leave the mesh whole and on its surface."""
     reference, surface = workpiece.surface, PatchSurface.of(patch.points, patch.elements)
     tolerance = SURFACE_TOLERANCE * edge
-    if not sound_elements(points, elements, LEAST_CORNER).all():
+    if not valid_elements(points, elements, LEAST_CORNER).all():
         return False
     normals = reference.normals_at(points, elements, tolerance)
     if normals is None or not all_facing(points, elements, normals):

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import Floats, Ids, Ints
 from meshops.methods import METHODS
 from meshops.patch import join
+from meshops.quality_sums import TALLY_SIZE
 from meshops.remeshing import replace_patch
 from meshops.workpiece import Workpiece
 

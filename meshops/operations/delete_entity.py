@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshops._core import has_doubles
 from meshops.edit import Edit
-from meshops.kernels.quality import TALLY_SIZE
-from meshops.kernels.soundness import has_doubles
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
+from meshops.quality_sums import TALLY_SIZE
 from meshops.workpiece import Workpiece
 
 DOUBLED, COLLAPSED, ISLAND = 1, 2, 3

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshops._core import nearest
 from meshops.kernels.judging import judge_candidates
-from meshops.kernels.quality import ELEMENTS
-from meshops.kernels.surface import nearest
 from meshops.mesh import Bools, Floats
 from meshops.operations.candidates import Candidates
+from meshops.quality_sums import ELEMENTS
 from meshops.surface import PLANE_TOLERANCE, PatchSurface
 from meshops.workpiece import Workpiece
 

@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from meshops._core import all_facing, has_doubles, nearest_edges, unit_normals, valid_elements
 from meshops.edit import Edit
 from meshops.holes import Hole, border_loops, border_sides, holes
-from meshops.kernels.quality import TALLY_SIZE
-from meshops.kernels.rings import nearest_edges
-from meshops.kernels.soundness import all_facing, has_doubles, sound_elements, unit_normals
 from meshops.mesh import Floats, Ids, Ints
 from meshops.methods import METHODS, Method
 from meshops.patch import Patch, components, extract, join, stitch
+from meshops.quality_sums import TALLY_SIZE
 from meshops.remeshing import (
     LEAST_CORNER,
     SURFACE_TOLERANCE,
@@ -198,7 +197,7 @@ def _ringed(
     normals = reference.normals_at(points, elements, tolerance)
     fits = (
         normals is not None
-        and sound_elements(points, elements, LEAST_CORNER).all()
+        and valid_elements(points, elements, LEAST_CORNER).all()
         and all_facing(points, elements, normals)
         and not has_doubles(elements, len(points))
         and surface.is_covered(patch, points, elements, tolerance)

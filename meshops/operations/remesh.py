@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.patches import disc, nearby, strip
-from meshops.kernels.quality import TALLY_SIZE
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.methods import METHODS
 from meshops.patch import components, join
+from meshops.quality_sums import TALLY_SIZE
 from meshops.remeshing import joint_change, replace_patch
 from meshops.workpiece import Workpiece
 
@@ -150,13 +149,10 @@ def remesh_place(workpiece: Workpiece, place: Ints) -> list[tuple[Edit, Floats]]
 def select(workpiece: Workpiece, place: Ints) -> Bools:
     """(M,) bool: the elements of a place (6,); none where it names a rank that is not there."""
     rank, shift, rings, other = place[:4]
-    topology, bad = workpiece.topology, workpiece.bad_elements
-    ways = (topology.element_edges, topology.edge_elements, topology.crossable, topology.editable)
+    bad, editable = workpiece.bad_elements, workpiece.topology.editable
     if not (1 <= rank <= len(bad) and 0 <= other <= len(bad)):
         return np.zeros(len(workpiece.mesh.elements), bool)
-    centre = bad[rank - 1]
+    centre, graph = bad[rank - 1], workpiece.topology.graph
     if other == 0:
-        chosen: Bools = disc(*ways, nearby(*ways, centre, shift), rings)
-    else:
-        chosen = strip(*ways, centre, bad[other - 1], rings)
-    return chosen
+        return graph.disc(editable, graph.nearby(editable, centre, shift), rings)
+    return graph.strip(editable, centre, bad[other - 1], rings)

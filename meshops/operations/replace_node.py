@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshops._core import compound_indices
 from meshops.edit import Edit
 from meshops.kernels.merging import evaluate_merges, rewire
-from meshops.kernels.patches import FAR
-from meshops.kernels.quality import ELEMENTS, compound_indices
 from meshops.mesh import Bools, Floats, Ids, Ints
-from meshops.topology import Topology, element_normals
+from meshops.quality_sums import ELEMENTS
+from meshops.topology import FAR, Topology, element_normals
 from meshops.workpiece import Workpiece
 
 CANDIDATES = 4
@@ -200,7 +200,7 @@ def least_harmful(workpiece: Workpiece, pairs: Ints, on_border: Bools, most: int
         return np.zeros(0, np.int64)
     space = ReplaceNodeSpace(workpiece, 1, pairs, on_border)
     alone = space.tallies(np.arange(len(pairs), dtype=np.int64)[:, None])
-    index = compound_indices(alone, *workpiece.setting.scoring.arrays)
+    index = compound_indices(alone, workpiece.setting.scoring.core)
     valid = np.isfinite(alone[:, ELEMENTS])
     order = np.argsort(np.where(valid, index, np.inf), kind="stable")
     return order[: min(most, np.count_nonzero(valid))]

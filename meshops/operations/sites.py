@@ -10,13 +10,13 @@ import numpy as np
 
 from meshops.edit import Edit
 from meshops.kernels.combining import claims, combine
-from meshops.kernels.quality import ELEMENTS
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.judge import judge
 from meshops.operations.places import nearest_first
 from meshops.operations.relax import relax
 from meshops.patch import join
+from meshops.quality_sums import ELEMENTS
 from meshops.workpiece import Workpiece
 
 __all__ = [

@@ -9,7 +9,6 @@ import numpy as np
 
 from meshops.edit import Edit
 from meshops.kernels.optimising import optimise
-from meshops.kernels.patches import disc
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
@@ -139,14 +138,7 @@ class SmoothSpace:
         nodes = np.zeros(len(self.workpiece.mesh.points), bool)
         if not 1 <= place[0] <= len(bad):
             return nodes
-        inside = disc(
-            topology.element_edges,
-            topology.edge_elements,
-            topology.crossable,
-            topology.editable,
-            bad[place[0] - 1],
-            place[1],
-        )
+        inside = topology.graph.disc(topology.editable, bad[place[0] - 1], place[1])
         corners = self.workpiece.mesh.elements[inside]
         nodes[corners[corners != NO_NODE]] = True
         return nodes & self.movable

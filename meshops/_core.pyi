@@ -1,0 +1,177 @@
+"""The core: what runs for each element, candidate and individual, compiled from Rust.
+
+Arrays are borrowed where they lie in memory row by row, copied where they do not, and never
+written to. ValueError where shapes do not fit or a row is named that is not there.
+"""
+
+from meshops.mesh import Bools, Floats, Ints
+
+class Scoring:
+    """Criteria at one target element size: what `meshops.criteria.Scoring.core` makes."""
+
+    def __new__(
+        cls, levels: Floats, weights: Floats, active: Bools, penalties: Floats, sizing: Floats
+    ) -> Scoring:
+        """(13, 6) levels, (13,) weights, (13,) active, (5,) penalties and (7,) sizing."""
+
+class Fitness:
+    """How meshes are ordered by their quality sums, as `meshops.fitness.Fitness` has it."""
+
+    def __new__(
+        cls,
+        limits: tuple[float, float, float],
+        share: float,
+        irregularity: float,
+        trias_first: bool,
+    ) -> Fitness:
+        """Limits of shape, trias and size; what comes second is divided by `share`."""
+
+    def of(self, sums: Floats, prices: Floats, scoring: Scoring) -> Floats:
+        """(P,) fitness of (P, 56) quality sums; minus infinity where there is no mesh."""
+
+class ElementGraph:
+    """Elements of a mesh, joined across the edges that may be crossed."""
+
+    def __new__(cls, element_edges: Ints, edge_elements: Ints, crossable: Bools) -> ElementGraph:
+        """(M, 4) edges of the elements, (E, 2) elements of the edges, (E,) bool."""
+
+    def label_components(self, selected: Bools) -> Ints:
+        """(M,) component of each selected element, by their first elements; elsewhere -1."""
+
+    def rings_around(self, allowed: Bools, centres: Ints) -> Ints:
+        """(M,) crossable edges to the nearest centre; 2^30 where no way is through allowed ones."""
+
+    def nearby(self, allowed: Bools, centre: int, shift: int) -> int:
+        """Row of the element that is visited as number `shift` from a centre, or the last one."""
+
+    def disc(self, allowed: Bools, centre: int, most: int) -> Bools:
+        """(M,) bool: allowed elements across at most `most` crossable edges from a centre."""
+
+    def strip(self, allowed: Bools, first: int, last: int, most: int) -> Bools:
+        """(M,) bool: elements within `most` crossable edges from the shortest way between two.
+
+        A disc around the first where there is no way.
+        """
+
+    def partition(self, editable: Bools, bad: Ints, rings: int, elements: int) -> Ints:
+        """(M,) subdomain of each element; -1 for an element that is in none.
+
+        Each bad element that is in no subdomain yet starts one: all free elements around it, ring
+        by ring, up to so many rings and elements.
+        """
+
+    def cut(self, rows: Ints, elements: Ints) -> tuple[Ints, Ints, Ints]:
+        """Cut connected elements out along every barrier; their rows ascend.
+
+        Returns the elements (m, 4) on patch nodes, those of the border first; the mesh node of each
+        patch node (n,); and the border edges (b, 2), each in the direction of its element.
+        """
+
+def find_edges(elements: Ints, nodes: int) -> tuple[Ints, Ints, Ints, Ints, Bools]:
+    """Find the edges of elements (M, 4), each once, ordered by their nodes.
+
+    Returns
+    -------
+    edges : (E, 2) int32
+        Node rows, the smaller first.
+    element_edges : (M, 4) int32
+        The edge of each side; -1 fourth for a tria.
+    edge_elements : (E, 2) int32
+        The two elements of an edge that has exactly two; elsewhere -1.
+    uses : (E,) int32
+        How many elements meet at an edge.
+    opposed : (E,) bool
+        Edges of exactly two elements that run along them in opposite directions.
+    """
+
+def elements_of_nodes(elements: Ints, nodes: int) -> tuple[Ints, Ints]:
+    """Elements around each node: those of node n are ``around[start[n]:start[n + 1]]``."""
+
+def unit_normals(points: Floats, elements: Ints) -> Floats:
+    """(M, 3) unit normals; a quad's is that of its two diagonals; zero for a flat line."""
+
+def valid_elements(points: Floats, elements: Ints, least_corner: float) -> Bools:
+    """(M,) bool: elements whose worst corner, along their own normal, is not below `least_corner`.
+
+    A corner is its Jacobian over the longest edge squared: a square has 1.
+    """
+
+def all_facing(points: Floats, elements: Ints, normals: Floats) -> bool:
+    """Whether every element looks the way of its (M, 3) surface normal, up to 60 degrees."""
+
+def has_doubles(elements: Ints, nodes: int) -> bool:
+    """Whether two elements have the same nodes, or one all nodes of another."""
+
+def trace_loops(border: Ints) -> tuple[Ints, Ints]:
+    """Order the border edges (b, 2) of a patch, each from node to node, into closed loops.
+
+    Returns the rows of the edges, loop after loop, and where each loop starts and the last ends.
+    """
+
+def irregular_nodes(start: Ints, outside: Ints) -> Bools:
+    """(N,) bool: used nodes with other than four elements.
+
+    `outside` is how many of them are not of the mesh; -1: any number may meet at the node.
+    """
+
+def irregular_change(goes: Ints, comes: Ints, elements: Ints, start: Ints, outside: Ints) -> int:
+    """How many more nodes are irregular once elements (B, 4) have come for those in some rows."""
+
+def measure_elements(points: Floats, elements: Ints, sizing: Floats) -> Floats:
+    """(M, 12) measures of elements, in the order of the criteria.
+
+    Lengths in the unit of `points`, angles in degrees. NaN where a criterion does not apply or is
+    not measured here (chordal deviation). `sizing` is that of `meshops.criteria.Scoring`.
+    """
+
+def element_faults(points: Floats, elements: Ints, scoring: Scoring) -> Floats:
+    """(M, 3) severity of each element's faults of shape and of size, and its Q.I."""
+
+def penalise(values: Floats, scoring: Scoring) -> Floats:
+    """(M, 12) penalties of (M, 12) measures; NaN where a criterion is inactive or not measured."""
+
+def penalty_of(value: float, criterion: int, scoring: Scoring) -> float:
+    """Penalty of one value by a criterion: linear between its levels, constant outside them."""
+
+def sum_measures(values: Floats, is_tria: Bools, scoring: Scoring) -> Floats:
+    """(56,) quality sums of elements by their (M, 12) measures; no node counts as irregular."""
+
+def sum_elements(points: Floats, elements: Ints, scoring: Scoring) -> Floats:
+    """(56,) quality sums of elements, chordal deviation left out; no node counts as irregular."""
+
+def criterion_indices(sums: Floats) -> Floats:
+    """(12,) Q.I. by criterion: mean penalty that passes plus the sum of those that fail."""
+
+def percent_trias(sums: Floats) -> float:
+    """Trias in percent of the elements; 0 for no elements."""
+
+def compound_index(sums: Floats, scoring: Scoring) -> float:
+    """Compound Q.I.: weighted mean over the criteria that pass plus the sum of the rest."""
+
+def compound_indices(sums: Floats, scoring: Scoring) -> Floats:
+    """(P,) compound Q.I. of (P, 56) quality sums; NaN where there is no mesh."""
+
+def bounding_spheres(points: Floats, facets: Ints) -> Floats:
+    """(T, 4) centre and radius of a sphere around each facet (T, 3)."""
+
+def nearest(
+    queries: Floats, points: Floats, facets: Ints, spheres: Floats
+) -> tuple[Floats, Floats, Ints]:
+    """Nearest point of a surface to each query.
+
+    Returns the points (Q, 3), the distances (Q,) and the facets (Q,) that they lie on; of equally
+    near ones the first.
+    """
+
+def areas_of(points: Floats, facets: Ints) -> tuple[Floats, float]:
+    """Sum of the area vectors of facets (3,), and sum of their areas."""
+
+def plane_of(points: Floats, facets: Ints, tolerance: float) -> tuple[Floats, float, Floats, bool]:
+    """Sum of the area vectors of facets, sum of their areas, unit normal, and whether it is plane.
+
+    Plane: all points are nearer to one plane than `tolerance` times their extent, and all facets
+    look the same way.
+    """
+
+def nearest_edges(points: Floats, starts: Floats, ends: Floats) -> tuple[Floats, Ints, Floats]:
+    """Distance, row and place (from 0 at its start to 1) of the nearest edge to each point."""
