@@ -16,6 +16,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from meshops import _core
 from meshops.errors import InputError
 from meshops.mesh import Bools, Floats
 
@@ -215,6 +216,11 @@ class Scoring:
             self.penalties,
             self.sizing,
         )
+
+    @cached_property
+    def core(self) -> _core.Scoring:
+        """The same for the core."""
+        return _core.Scoring(*self.arrays)
 
     @cached_property
     def sizing(self) -> Floats:
