@@ -10,6 +10,25 @@ class Scoring:
         cls, levels: Floats, weights: Floats, active: Bools, penalties: Floats, sizing: Floats
     ) -> Scoring: ...
 
+class Ground:
+    """The surface that changed elements must stay on; without facets where it is plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    facets : (t, 3) int32
+    spheres : (t, 4) float64
+        Around each facet, as `bounding_spheres` finds them.
+    tolerance
+        How far from it the centre of an element may be.
+    least_corner
+        The worst corner that an element may get.
+    """
+
+    def __new__(
+        cls, points: Floats, facets: Ints, spheres: Floats, tolerance: float, least_corner: float
+    ) -> Ground: ...
+
 # --- local edits --------------------------------------------------------------------------------
 
 def evaluate_merges(
