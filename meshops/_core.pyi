@@ -4,7 +4,8 @@ Arrays are borrowed where they lie in memory row by row, copied where they do no
 written to. ValueError where shapes do not fit or a row is named that is not there.
 """
 
-from meshops.mesh import Bools, Floats, Ints
+from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.workpiece import Workpiece
 
 class Scoring:
     """Criteria at one target element size: what `meshops.criteria.Scoring.core` makes."""
@@ -28,6 +29,8 @@ class Fitness:
 
     def of(self, sums: Floats, prices: Floats, scoring: Scoring) -> Floats:
         """(P,) fitness of (P, 56) quality sums; minus infinity where there is no mesh."""
+
+# --- meshes: topology, patches, validity ----------------------------------------------------------
 
 class ElementGraph:
     """Elements of a mesh, joined across the edges that may be crossed."""
@@ -117,6 +120,8 @@ def irregular_nodes(start: Ints, outside: Ints) -> Bools:
 def irregular_change(goes: Ints, comes: Ints, elements: Ints, start: Ints, outside: Ints) -> int:
     """How many more nodes are irregular once elements (B, 4) have come for those in some rows."""
 
+# --- quality of elements and meshes ---------------------------------------------------------------
+
 def measure_elements(points: Floats, elements: Ints, sizing: Floats) -> Floats:
     """(M, 12) measures of elements, in the order of the criteria.
 
@@ -151,6 +156,27 @@ def compound_index(sums: Floats, scoring: Scoring) -> float:
 def compound_indices(sums: Floats, scoring: Scoring) -> Floats:
     """(P,) compound Q.I. of (P, 56) quality sums; NaN where there is no mesh."""
 
+# --- surfaces -------------------------------------------------------------------------------------
+
+class Ground:
+    """The surface that changed elements must stay on; without facets where it is plane.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+    facets : (t, 3) int32
+    spheres : (t, 4) float64
+        Around each facet, as `bounding_spheres` finds them.
+    tolerance
+        How far from it the centre of an element may be.
+    least_corner
+        The worst corner that an element may get.
+    """
+
+    def __new__(
+        cls, points: Floats, facets: Ints, spheres: Floats, tolerance: float, least_corner: float
+    ) -> Ground: ...
+
 def bounding_spheres(points: Floats, facets: Ints) -> Floats:
     """(T, 4) centre and radius of a sphere around each facet (T, 3)."""
 
@@ -175,3 +201,40 @@ def plane_of(points: Floats, facets: Ints, tolerance: float) -> tuple[Floats, fl
 
 def nearest_edges(points: Floats, starts: Floats, ends: Floats) -> tuple[Floats, Ints, Floats]:
     """Distance, row and place (from 0 at its start to 1) of the nearest edge to each point."""
+
+# --- local edits --------------------------------------------------------------------------------
+
+def evaluate_merges(
+    genomes: Ids,
+    pairs: Ints,
+    on_border: Bools,
+    normals: Floats,
+    workpiece: Workpiece,
+    scoring: Scoring | None,
+) -> Floats:
+    """(P, TALLY_SIZE) sums of the mesh after merging pairs of nodes at once, for many choices.
+
+    NaN where two pairs share a node, or where merging would invert an element, tear the mesh or
+    join it to itself.
+
+    Parameters
+    ----------
+    genomes : (P, G) int64
+        Rows of the pairs; a row beyond them merges nothing.
+    pairs : (K, 3) int32
+        The node that goes, the one that stays, and whether they meet half-way (1) or there (0).
+    on_border : (K,) bool
+        Whether the edge between them is on the border.
+    normals : (M, 3) float64
+        Unit normals of the elements.
+    workpiece
+        The mesh and its measures.
+    scoring
+        None: elements are counted and not measured.
+    """
+
+def rewire(elements: Ints, target: Ints) -> tuple[Ints, Ints, Ints]:
+    """Find which elements vanish by merging, which change, and to what nodes.
+
+    `target` (N,) int32 has for each node the one that it is merged into, for most itself.
+    """

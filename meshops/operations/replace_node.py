@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops._core import compound_indices
+from meshops._core import compound_indices, evaluate_merges, rewire
 from meshops.edit import Edit
-from meshops.kernels.merging import evaluate_merges, rewire
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.quality_sums import ELEMENTS
 from meshops.topology import FAR, Topology, element_normals
@@ -130,9 +129,7 @@ class ReplaceNodeSpace:
         self.pool = pool
         self.on_border = on_border
         self.bounds: Ids = np.full(pairs, len(pool), np.int64)
-        mesh = workpiece.mesh
-        self._around = workpiece.around
-        self._of_elements = (element_normals(mesh), workpiece.values)
+        self._normals = element_normals(workpiece.mesh)
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
         """Pairs of the pool, without repetition in an individual."""
@@ -154,23 +151,13 @@ class ReplaceNodeSpace:
 
     def tallies(self, genomes: Ids, *, measured: bool = True) -> Floats:
         """(P, TALLY_SIZE) tallies of genomes of any length, elements measured or just counted."""
-        mesh = self.workpiece.mesh
-        levels, weights, active, penalties, sizing = self.workpiece.setting.scoring.arrays
         return evaluate_merges(
             genomes,
             self.pool,
             self.on_border,
-            mesh.points,
-            mesh.elements,
-            *self._around,
-            self.workpiece.outside,
-            *self._of_elements,
-            self.workpiece.tally,
-            levels,
-            weights,
-            active if measured else np.zeros_like(active),
-            penalties,
-            sizing,
+            self._normals,
+            self.workpiece,
+            self.workpiece.setting.scoring.core if measured else None,
         )
 
 

@@ -5,6 +5,7 @@
 
 pub mod math;
 pub mod mesh;
+pub mod operations;
 pub mod quality;
 pub mod surface;
 pub mod vectors;

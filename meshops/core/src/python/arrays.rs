@@ -54,6 +54,53 @@ impl<T: Item + Copy, const W: usize> Rows<'_, T, W> {
     }
 }
 
+/// An array of rows of as many items as it happens to have.
+pub struct Grid<'py, T: Item> {
+    items: List<'py, T>,
+    shape: [usize; 2],
+}
+
+/// The rows of a [`Grid`].
+#[derive(Clone, Copy)]
+pub struct GridRows<'a, T> {
+    /// All items, row by row.
+    pub items: &'a [T],
+    /// How many rows there are.
+    pub count: usize,
+    /// How many items a row has.
+    pub width: usize,
+}
+
+impl<T: Item + Copy> Grid<'_, T> {
+    /// The rows.
+    pub fn rows(&self) -> GridRows<'_, T> {
+        let [count, width] = self.shape;
+        GridRows { items: self.items.items(), count, width }
+    }
+}
+
+impl<'a, T> GridRows<'a, T> {
+    /// Row by row.
+    pub fn iter(self) -> impl Iterator<Item = &'a [T]> {
+        (0..self.count).map(move |row| &self.items[row * self.width..(row + 1) * self.width])
+    }
+}
+
+impl<'a, 'py, T: Item + Copy> FromPyObject<'a, 'py> for Grid<'py, T> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let array = object.cast::<PyArray2<T>>()?;
+        let shape = [array.shape()[0], array.shape()[1]];
+        let items = if array.is_c_contiguous() {
+            List::Borrowed(array.reshape([shape[0] * shape[1]])?.try_readonly()?)
+        } else {
+            List::Copied(array.try_readonly()?.as_array().iter().copied().collect())
+        };
+        Ok(Self { items, shape })
+    }
+}
+
 impl<'a, 'py, T: Item + Copy> FromPyObject<'a, 'py> for List<'py, T> {
     type Error = PyErr;
 

@@ -66,7 +66,8 @@ impl PyFitness {
     }
 }
 
-fn exactly<T: Copy, const N: usize>(items: &[T]) -> PyResult<[T; N]> {
+/// Items of which there are as many as are needed.
+pub fn exactly<T: Copy, const N: usize>(items: &[T]) -> PyResult<[T; N]> {
     items
         .try_into()
         .map_err(|_| PyValueError::new_err(format!("{} values where {N} are needed", items.len())))
