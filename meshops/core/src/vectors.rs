@@ -124,5 +124,12 @@ mod tests {
         assert_eq!(area_vector(&points, [0, 1, 2, 3]), [0.0, 0.0, 4.0]);
         assert_eq!(corner_jacobian_min(&points, [0, 1, 2, 3], [0.0, 0.0, 1.0]), 1.0);
         assert_eq!(corner_jacobian_min(&points, [0, 1, 2, -1], [0.0, 0.0, -1.0]), -0.5);
+        assert_eq!(corner_jacobian_min(&points, [0, 0, 0, 0], [0.0, 0.0, 1.0]), 0.0);
+    }
+
+    #[test]
+    fn a_concave_corner_is_below_zero() {
+        let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 2.0, 0.0]];
+        assert!(corner_jacobian_min(&points, [0, 1, 2, 3], [0.0, 0.0, 1.0]) < 0.0);
     }
 }

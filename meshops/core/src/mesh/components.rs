@@ -8,18 +8,20 @@ use super::element_graph::ElementGraph;
 /// elements.
 pub fn label_components(graph: ElementGraph<'_>, selected: &[bool]) -> Vec<i32> {
     let mut label = vec![-1; graph.len()];
+    let mut left = selected.to_vec();
     let mut stack = Vec::new();
     let mut components = 0;
     for seed in 0..graph.len() {
-        if !selected[seed] || label[seed] >= 0 {
+        if !left[seed] {
             continue;
         }
-        label[seed] = components;
+        left[seed] = false;
         stack.push(seed);
         while let Some(element) = stack.pop() {
+            label[element] = components;
             for other in graph.neighbours(element) {
-                if selected[other] && label[other] < 0 {
-                    label[other] = components;
+                if left[other] {
+                    left[other] = false;
                     stack.push(other);
                 }
             }

@@ -55,7 +55,7 @@ impl<'a> CsrView<'a> {
     #[inline]
     pub fn count(&self, i: usize) -> i32 {
         match self.start.get(i + 1) {
-            Some(end) => end - self.start[i],
+            Some(end) => end.wrapping_sub(self.start[i]),
             None => 0,
         }
     }

@@ -48,19 +48,25 @@ impl<'a> ElementGraph<'a> {
     }
 
     /// The element across a side, if there is one and the edge may be crossed.
-    #[inline]
+    #[inline(always)]
     pub fn across(&self, element: usize, side: usize) -> Option<usize> {
-        let edge = self.element_edges[element][side];
-        if edge < 0 || !self.crossable[edge as usize] {
+        self.across_edge(element, self.element_edges[element][side])
+    }
+
+    /// The elements across the sides of an element, in their order.
+    #[inline(always)]
+    pub fn neighbours(self, element: usize) -> impl Iterator<Item = usize> + use<'a> {
+        let edges = self.element_edges[element];
+        edges.into_iter().filter_map(move |edge| self.across_edge(element, edge))
+    }
+
+    #[inline(always)]
+    fn across_edge(&self, element: usize, edge: i32) -> Option<usize> {
+        // no edge, -1, is beyond all of them
+        if !*self.crossable.get(edge as u32 as usize)? {
             return None;
         }
         let [a, b] = self.edge_elements[edge as usize];
         Some(if a == element as i32 { b } else { a } as usize)
-    }
-
-    /// The elements across the sides of an element, in their order.
-    #[inline]
-    pub fn neighbours(self, element: usize) -> impl Iterator<Item = usize> + use<'a> {
-        (0..4).filter_map(move |side| self.across(element, side))
     }
 }

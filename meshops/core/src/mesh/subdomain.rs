@@ -50,3 +50,23 @@ pub fn partition(
     }
     label
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn subdomains_are_disjoint_and_no_larger_than_allowed() {
+        // ten elements in a ring
+        let element_edges: Vec<[i32; 4]> = (0..10).map(|i| [(i + 9) % 10, i, -1, -1]).collect();
+        let edge_elements: Vec<[i32; 2]> = (0..10).map(|i| [i, (i + 1) % 10]).collect();
+        let graph = ElementGraph {
+            element_edges: &element_edges,
+            edge_elements: &edge_elements,
+            crossable: &[true; 10],
+        };
+        let reach = Reach { rings: 2, elements: 4 };
+        let label = partition(graph, &[true; 10], [0, 3, 1], reach);
+        assert_eq!(label, [0, 0, 1, 1, 1, 1, -1, -1, 0, 0]);
+    }
+}

@@ -11,12 +11,14 @@ pub const REGULAR: i32 = 4;
 /// `outside` is how many of them are not of the mesh; -1: any number may meet at the node.
 #[inline]
 pub fn is_irregular(valence: i32, outside: i32) -> bool {
-    outside >= 0 && valence > 0 && valence + outside != REGULAR
+    (outside >= 0) & (valence > 0) & (valence.wrapping_add(outside) != REGULAR)
 }
 
-/// Which nodes are irregular.
+/// Which nodes are irregular; `outside` has one value a node.
 pub fn irregular_nodes(around: CsrView<'_>, outside: &[i32]) -> Vec<bool> {
-    (0..outside.len()).map(|node| is_irregular(around.count(node), outside[node])).collect()
+    let ends = around.start.get(1..).unwrap_or_default();
+    let counts = around.start.iter().zip(ends).map(|(start, end)| end.wrapping_sub(*start));
+    counts.zip(outside).map(|(count, outside)| is_irregular(count, *outside)).collect()
 }
 
 /// What the valence of a mesh's nodes follows from.

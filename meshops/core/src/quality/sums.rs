@@ -182,10 +182,67 @@ impl From<&[f64; SUMS]> for QualitySums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quality::scoring::{Levels, Sizing};
+    use proptest::prelude::*;
+
+    /// Criteria under which about half of all elements fail.
+    fn scoring() -> Scoring {
+        let rising = |worst: f64| Levels::from([0.0, 0.1, 0.4, 0.5, 1.0, 0.3].map(|x| x * worst));
+        let falling = |best: f64| Levels::from([1.0, 0.9, 0.6, 0.5, 0.1, 0.7].map(|x| x * best));
+        Scoring {
+            levels: [
+                falling(1.0),
+                rising(4.0),
+                rising(9.0),
+                rising(60.0),
+                rising(300.0),
+                falling(90.0),
+                rising(240.0),
+                falling(60.0),
+                rising(90.0),
+                falling(1.0),
+                rising(1.0),
+                rising(1.0),
+                rising(50.0),
+            ],
+            weights: [1.0; CRITERIA + 1],
+            active: [true; CRITERIA + 1],
+            penalties: [0.0, 0.1, 0.8, 1.0, 10.0],
+            sizing: Sizing::default(),
+        }
+    }
 
     #[test]
     fn arrays_go_there_and_back() {
         let array: [f64; SUMS] = std::array::from_fn(|i| i as f64);
         assert_eq!(QualitySums::from(&array).to_array(), array);
+    }
+
+    proptest! {
+        #[test]
+        fn sums_kept_up_are_the_sums_of_what_is_left(
+            points in prop::collection::vec(prop::array::uniform3(-2.0..2.0), 8),
+            elements in prop::collection::vec(prop::array::uniform3(0i32..8), 12),
+            steps in prop::collection::vec(0usize..12, 0..60),
+        ) {
+            let scoring = scoring();
+            let fourth = |row: usize| if row % 3 == 0 { -1 } else { row as i32 % 8 };
+            let elements: Vec<Element> =
+                elements.iter().enumerate().map(|(i, e)| [e[0], e[1], e[2], fourth(i)]).collect();
+            let mut sums = QualitySums::default();
+            let mut is_there = [false; 12];
+            for row in steps {
+                let sign = if is_there[row] { -1.0 } else { 1.0 };
+                sums.add_element(&points, elements[row], sign, &scoring);
+                is_there[row] = !is_there[row];
+            }
+            let left: Vec<Element> = (0..12).filter(|i| is_there[*i]).map(|i| elements[i]).collect();
+            let expected = QualitySums::of_elements(&points, &left, &scoring);
+            for (found, expected) in sums.to_array().iter().zip(expected.to_array()) {
+                prop_assert!((found - expected).abs() < 1e-9);
+            }
+            prop_assert!((sums.compound_index(&scoring) - expected.compound_index(&scoring)).abs() < 1e-9);
+            prop_assert_eq!((sums.shape, sums.size), (expected.shape, expected.size));
+        }
     }
 }
