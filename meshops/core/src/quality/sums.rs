@@ -226,7 +226,7 @@ mod tests {
             steps in prop::collection::vec(0usize..12, 0..60),
         ) {
             let scoring = scoring();
-            let fourth = |row: usize| if row % 3 == 0 { -1 } else { row as i32 % 8 };
+            let fourth = |row: usize| if row.is_multiple_of(3) { -1 } else { row as i32 % 8 };
             let elements: Vec<Element> =
                 elements.iter().enumerate().map(|(i, e)| [e[0], e[1], e[2], fourth(i)]).collect();
             let mut sums = QualitySums::default();
