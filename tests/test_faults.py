@@ -27,7 +27,8 @@ ray = pytest.importorskip("ray")
 
 ALWAYS = 10**6
 
-SHARE = 10
+SHARE, WHOLE_SHARE = 10, 2
+"""Harm is done on one mesh of so many; on every other one of a whole mesh, as there are few."""
 
 Make = Callable[..., Job]
 
@@ -47,10 +48,11 @@ def mesh() -> ShellMesh:
 
 
 def with_faults(of: Job, harm: Harm, times: int, folder: Path) -> Job:
-    """Every operation of a job does harm on one mesh of ten, so many times."""
+    """Every operation of a job does harm on some meshes, so many times."""
     folder.mkdir(exist_ok=True)
+    share = WHOLE_SHARE if of.config.profile == "paper" else SHARE
     operations = tuple(
-        Faulty(o, harm, SHARE, times, str(folder), os.getpid()) for o in of.problem.operations
+        Faulty(o, harm, share, times, str(folder), os.getpid()) for o in of.problem.operations
     )  # fmt: skip
     return replace(of, problem=replace(of.problem, operations=operations))
 
