@@ -5,6 +5,8 @@ written to. ValueError where shapes do not fit or a row is named that is not the
 """
 
 from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.operations.strips import Strips
+from meshops.topology import Topology
 from meshops.workpiece import Workpiece
 
 class Scoring:
@@ -237,4 +239,114 @@ def rewire(elements: Ints, target: Ints) -> tuple[Ints, Ints, Ints]:
     """Find which elements vanish by merging, which change, and to what nodes.
 
     `target` (N,) int32 has for each node the one that it is merged into, for most itself.
+    """
+
+# --- strips ---------------------------------------------------------------------------------------
+
+def straight_strips(
+    elements: Ints, topology: Topology, trias: Ints, reach: int, steps: int
+) -> tuple[Ints, Ints, Ints]:
+    """Open strips that leave a tria and cross quads from side to opposite side.
+
+    All that end at another tria behind at most `reach` quads, each found once, and all that end in
+    one of the first `steps` quads. Returns start, cells and rungs of `Strips`.
+    """
+
+def closed_strips(elements: Ints, topology: Topology) -> tuple[Ints, Ints, Ints]:
+    """All rows of quads that close on themselves, except those that cross themselves."""
+
+def shortest_strips(
+    elements: Ints, topology: Topology, trias: Ints, reach: int, steps: int, partners: int
+) -> tuple[Ints, Ints, Ints]:
+    """Open strips: the shortest ways from each tria through quads, turning as they may.
+
+    Those to the nearest `partners` other trias behind 1 to `reach` quads, each pair found once, and
+    those to each quad across at most `steps` edges.
+    """
+
+def transport_trias(
+    strips: Strips, ways: Ints, points: Floats, elements: Ints
+) -> tuple[Ints, Ints]:
+    """Elements after the tria at the beginning of each strip has walked to its end.
+
+    Parameters
+    ----------
+    strips
+        Open ones that begin at a tria.
+    ways : (S,) int32
+        Where a step goes that crosses a quad straight: always right (0), always left (1), or where
+        it gives the better elements (2).
+
+    Returns
+    -------
+    added_start, added : (S + 1,) int32, (B, 4) int32
+        They take the place of the cells of each strip.
+    """
+
+def insert_chords(
+    strips: Strips, ends: Ints, points: Floats, elements: Ints
+) -> tuple[tuple[Ints, Ints, Ints, Ints], tuple[Ints, Floats]]:
+    """Put a node on the middle of every rung and split the strips lengthwise.
+
+    The quads between two rungs become two, a tria at the end becomes a quad, and a quad at the end
+    a quad and a tria, which is at the first node of the last rung for an end of 0, at the second
+    for 1. There is only 0 for a strip that does not end in a quad.
+
+    Returns the elements that go and come, and the new points, as in ``Candidates``.
+    """
+
+def collapse_chords(
+    strips: Strips, points: Floats, elements: Ints, around: tuple[Ints, Ints], free: Bools
+) -> tuple[tuple[Ints, Ints, Ints, Ints], tuple[Ints, Ints, Floats]]:
+    """Merge the two nodes of every rung, half-way or at the one that is not free.
+
+    The quads between two rungs vanish, a tria at the end vanishes, and a quad at the end becomes a
+    tria. `around` are the elements of nodes.
+
+    Returns the elements that go and come, and the moves, as in ``Candidates``; nothing for a strip
+    with a node on two rungs, or with a rung of which neither node is free.
+    """
+
+# --- cavities -------------------------------------------------------------------------------------
+
+FILLINGS: int
+"""Ways to fill the ring around a node that is taken out."""
+
+def cavity_polygons(elements: Ints, groups: Ints) -> tuple[Ints, Ints]:
+    """Walk around each group of up to three adjacent elements.
+
+    The first node is where the first element leaves a side that it shares with another, so that
+    the order does not depend on how the nodes are numbered; the first node of an element alone.
+
+    Parameters
+    ----------
+    elements : (M, 4) int32
+    groups : (S, 3) int32
+        Element rows; -1 where a place is empty.
+
+    Returns
+    -------
+    polygons : (S, 12) int32
+        Node rows, counter-clockwise; -1 beyond the last.
+    sizes : (S,) int32
+        Corners of each polygon; 0 where what is around the group is not one simple polygon.
+    """
+
+def pillow(
+    sets: tuple[Ints, Ints], points: Floats, elements: Ints, graph: ElementGraph
+) -> tuple[Ints, Ints, Ints, Floats]:
+    """Shrink sets of elements and put a ring of quads around each (Mitchell and Tautges 1995).
+
+    `sets` are where each begins, (K + 1,), and the rows of its elements. Returns the elements that
+    come and the new points, as in ``Candidates``.
+    """
+
+def remove_nodes(
+    nodes: Ints, ways: Ints, elements: Ints, around: tuple[Ints, Ints]
+) -> tuple[Ints, Ints, Ints, Ints]:
+    """Take inner nodes out and fill the ring around each with fewer elements.
+
+    `nodes` and `ways` (K,): the node of each candidate and the way to fill its ring, below
+    ``FILLINGS``. Returns the elements that go and come, as in ``Candidates``; nothing for a way
+    that there is not, or that is the same as another.
     """

@@ -5,8 +5,10 @@
 
 pub mod math;
 pub mod mesh;
+pub mod meshing;
 pub mod operations;
 pub mod quality;
+pub mod recombination;
 pub mod surface;
 pub mod vectors;
 

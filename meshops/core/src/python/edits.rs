@@ -2,10 +2,11 @@
 
 use pyo3::prelude::*;
 
-use super::arrays::{Array, Grid, List, Rows, Table, check_elements, check_rows, require};
-use super::arrays::{to_list, to_rows};
+use super::arrays::{
+    Array, Grid, List, Rows, Table, check_elements, check_lists, check_rows, require, to_list,
+    to_rows,
+};
 use super::quality::{PyScoring, exactly};
-use crate::mesh::csr::CsrView;
 use crate::mesh::valence::Valences;
 use crate::operations::merging;
 use crate::operations::replace_node::{MergeEvaluator, MergeSite, NodePair};
@@ -29,23 +30,6 @@ struct MergeArrays<'py> {
     outside: List<'py, i32>,
     values: Rows<'py, f64, CRITERIA>,
     tally: List<'py, f64>,
-}
-
-/// Lists, one a node, of rows of elements.
-fn check_lists<'a>(
-    (start, items): &'a (List<'_, i32>, List<'_, i32>),
-    lists: usize,
-    count: usize,
-) -> PyResult<CsrView<'a>> {
-    let (start, items) = (start.items(), items.items());
-    let rises = start.windows(2).fold(true, |rises, pair| rises & (pair[0] <= pair[1]));
-    let fits = start.len() == lists + 1
-        && start[0] == 0
-        && rises
-        && start.last().is_some_and(|end| *end as usize == items.len());
-    require(fits, "lists do not lie one behind the other")?;
-    check_rows(items, count, "a list names a row that is not there")?;
-    Ok(CsrView { start, items })
 }
 
 #[pyfunction]

@@ -3,17 +3,21 @@
 use pyo3::prelude::*;
 
 pub mod arrays;
+mod cavities;
 mod edits;
 mod ground;
 mod mesh;
 mod quality;
+mod strips;
 mod surface;
 
 /// Add all that Python sees to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    cavities::register(module)?;
     edits::register(module)?;
     ground::register(module)?;
     mesh::register(module)?;
     quality::register(module)?;
+    strips::register(module)?;
     surface::register(module)
 }
