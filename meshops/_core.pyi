@@ -204,6 +204,50 @@ def plane_of(points: Floats, facets: Ints, tolerance: float) -> tuple[Floats, fl
 def nearest_edges(points: Floats, starts: Floats, ends: Floats) -> tuple[Floats, Ints, Floats]:
     """Distance, row and place (from 0 at its start to 1) of the nearest edge to each point."""
 
+# --- recombination: trias to quads, quads to trias ------------------------------------------------
+
+def tria_neighbours(trias: Ints, nodes: int) -> Ints:
+    """(T, 3) tria across side k, from node k to the next one; -1 for none."""
+
+def pair_shapes(points: Floats, trias: Ints, neighbours: Ints) -> Floats:
+    """(T, 3) shape of the quad that each tria makes with its neighbour across side k.
+
+    The sine of the quad's worst corner; -2 for sides without a neighbour.
+    """
+
+def greedy_matching(neighbours: Ints, shapes: Floats, least: float) -> Ints:
+    """(T,) mate of each tria or -1: neighbours are paired by falling shape down to `least`."""
+
+def maximum_matching(neighbours: Ints, shapes: Floats, mate: Ints) -> Ints:
+    """(T,) mate of each tria or -1: a matching augmented until none has more pairs.
+
+    Better shapes are tried first. Neighbours must be mutual, and mates too.
+    """
+
+def merge_pairs(trias: Ints, neighbours: Ints, mate: Ints) -> Ints:
+    """(M, 4) elements: a quad for each pair, in the place of its first tria, and lone trias."""
+
+def recombine(points: Floats, trias: Ints, least: float, good: float) -> Ints:
+    """(M, 4) elements of trias (T, 3), merged as completely as can be, good quads first.
+
+    No quad is of a shape below `least`; those down to `good` are taken greedily.
+    """
+
+def as_trias(points: Floats, elements: Ints) -> Ints:
+    """(T, 3) trias as they are, quads split along their better diagonal, in their order."""
+
+def split_quads(points: Floats, elements: Ints, chosen: Bools) -> Ints:
+    """(M', 4) elements: the chosen quads split along their better diagonal, all else as it is.
+
+    The two trias of a quad take its place.
+    """
+
+def unite_trias(points: Floats, elements: Ints) -> Ints:
+    """(M', 4) elements on the same nodes: lone trias move through quads until they meet in pairs.
+
+    They are taken in the order of their rows, each on its shortest way to another.
+    """
+
 # --- local edits --------------------------------------------------------------------------------
 
 def evaluate_merges(

@@ -11,13 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from meshops._core import valid_elements
+from meshops._core import split_quads, unite_trias, valid_elements
 from meshops.errors import InputError
 from meshops.kernels.clipping import clip_ears
 from meshops.kernels.packing import pack_squares
-from meshops.kernels.pairing import split_quads
 from meshops.kernels.smoothing import smooth
-from meshops.kernels.uniting import unite_trias
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.outlines import Outlines, loops_of
 from meshops.patch import Patch, extract
@@ -173,5 +171,4 @@ def _quads(points: Floats, trias: Ints, border_nodes: int, surface: PatchSurface
     smooth(points, elements, border_nodes, SMOOTHING_SWEEPS)
     surface.project(points, border_nodes)
     sound = valid_elements(points, elements, LEAST_CORNER)
-    split: Ints = split_quads(points, elements, ~sound)
-    return split
+    return split_quads(points, elements, ~sound)

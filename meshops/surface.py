@@ -8,8 +8,14 @@ from math import dist
 
 import numpy as np
 
-from meshops._core import areas_of, bounding_spheres, nearest, plane_of, unit_normals
-from meshops.kernels.pairing import as_trias
+from meshops._core import (
+    areas_of,
+    as_trias,
+    bounding_spheres,
+    nearest,
+    plane_of,
+    unit_normals,
+)
 from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshops._core import bounding_spheres, find_edges, nearest, unit_normals
+from meshops._core import as_trias, bounding_spheres, find_edges, nearest, unit_normals
 from meshops.guard.rules import Side, mean_edge
-from meshops.kernels.pairing import as_trias
 from meshops.mesh import NO_NODE, Bools, Floats, Ints
 
 OFF = 0.01

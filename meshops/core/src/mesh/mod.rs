@@ -12,6 +12,7 @@ pub mod edges;
 pub mod element_graph;
 pub mod element_rings;
 pub mod lists;
+pub mod neighbours;
 pub mod node_elements;
 pub mod patch;
 pub mod subdomain;

@@ -8,6 +8,7 @@ mod edits;
 mod ground;
 mod mesh;
 mod quality;
+mod recombination;
 mod strips;
 mod surface;
 
@@ -19,5 +20,6 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     mesh::register(module)?;
     quality::register(module)?;
     strips::register(module)?;
+    recombination::register(module)?;
     surface::register(module)
 }
