@@ -292,8 +292,9 @@ def straight_strips(
 ) -> tuple[Ints, Ints, Ints]:
     """Open strips that leave a tria and cross quads from side to opposite side.
 
-    All that end at another tria behind at most `reach` quads, each found once, and all that end in
-    one of the first `steps` quads. Returns start, cells and rungs of `Strips`.
+    All that end at another tria behind at most `reach` quads (or `steps`, where that is more), each
+    found once, and all that end in one of the first `steps` quads. Returns start, cells and rungs
+    of `Strips`.
     """
 
 def closed_strips(elements: Ints, topology: Topology) -> tuple[Ints, Ints, Ints]:

@@ -1,4 +1,4 @@
-"""Cavities in the core, around elements and nodes: bit for bit what the compiled Python gave."""
+"""Cavities in the core, around elements and nodes: what was recorded, and what always holds."""
 
 import numpy as np
 import pytest
@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 from meshops import _core
 from meshops.criteria import STANDARD
 from meshops.fitness import Fitness
-from meshops.kernels import outlines, pillows
 from meshops.operations.places import crossable_pairs
 from meshops.operations.ragged import alternatives, starts
 from meshops.operations.templates import triples
 from meshops.workpiece import Setting, Workpiece
-from tests.meshes import CURVED_KINDS, FLAT_KINDS, make, meshes
+from tests.core.recorded import digest, outline, sides
+from tests.meshes import CURVED_KINDS, FLAT_KINDS, make, meshes, sheet
 
 ALL_KINDS = FLAT_KINDS + CURVED_KINDS
 seeds = st.integers(0, 10**6)
@@ -46,46 +46,98 @@ def sets(piece, rng):
     )
 
 
-def assert_same(found, expected):
-    for one, other in zip(found, expected, strict=True):
-        assert one.dtype == other.dtype
-        np.testing.assert_array_equal(one, other, strict=True)
+RECORDED = sheet(14, 11, seed=5, jitter=0.2, trias=0.15, holes=0.04)
 
 
-@settings(max_examples=60, deadline=None)
+def test_cavities_are_those_recorded():
+    mesh, piece = RECORDED, workpiece(RECORDED)
+    polygons = _core.cavity_polygons(mesh.elements, groups(piece, np.random.default_rng(0)))
+    assert digest(*polygons) == "1cc8bb48deb638af"
+    chosen = sets(piece, np.random.default_rng(0))
+    pillows = _core.pillow(chosen, mesh.points, mesh.elements, piece.topology.graph)
+    assert digest(*pillows) == "43b134d81adca29e"
+    nodes = np.nonzero(piece.topology.inner_nodes)[0].astype(np.int32)
+    rows, ways = alternatives(len(nodes), _core.FILLINGS)
+    filled = _core.remove_nodes(nodes[rows], ways, mesh.elements, piece.around)
+    assert digest(*filled) == "6a7767a5c96ee97c"
+
+
+@settings(max_examples=40, deadline=None)
 @given(meshes(ALL_KINDS), seeds)
-def test_cavity_polygons(mesh, seed):
+def test_a_cavity_polygon_is_the_outline_of_its_group(mesh, seed):
     chosen = groups(workpiece(mesh), np.random.default_rng(seed))
     polygons, sizes = _core.cavity_polygons(mesh.elements, chosen)
-    old_polygons, old_sizes = outlines.outlines(mesh.elements, chosen)
-    # what the compiled Python had of a polygon that is none is left out
-    old_polygons[old_sizes == 0] = -1
-    assert_same((polygons, sizes), (old_polygons, old_sizes))
+    for group, polygon, size in zip(chosen, polygons, sizes, strict=True):
+        nodes = polygon[:size].tolist()
+        assert set(polygon[size:]) <= {-1}
+        around = outline(mesh.elements[group[group >= 0]])
+        starts_once = len({start for start, _ in around}) == len(around)
+        if size:
+            assert sorted(zip(nodes, nodes[1:] + nodes[:1], strict=True)) == around
+        elif len(set(group)) == 3 and starts_once and around:
+            # several loops: elements that are not adjacent
+            assert len(loop_of(around)) < len(around)
 
 
-@settings(max_examples=60, deadline=None)
+def not_against_each_other(elements):
+    """Whether all agree about which side is up: none has a side of another in its direction."""
+    found = sides(elements)
+    return len(set(found)) == len(found)
+
+
+def loop_of(sides):
+    """The nodes along sides, each from node to node, from the first one on."""
+    following = dict(sides)
+    found = [sides[0][0]]
+    while following[found[-1]] != found[0]:
+        found.append(following[found[-1]])
+    return found
+
+
+@settings(max_examples=40, deadline=None)
 @given(meshes(ALL_KINDS), seeds)
-def test_pillow(mesh, seed):
+def test_a_pillow_keeps_the_outline(mesh, seed):
     piece = workpiece(mesh)
-    topology = piece.topology
-    chosen = sets(piece, np.random.default_rng(seed))
-    found = _core.pillow(chosen, mesh.points, mesh.elements, topology.graph)
-    elements, points = pillows.pillow(
-        *chosen, mesh.points, mesh.elements, topology.element_edges, topology.edge_elements
+    start, rows = sets(piece, np.random.default_rng(seed))
+    added_start, added, point_start, points = _core.pillow(
+        (start, rows), mesh.points, mesh.elements, piece.topology.graph
     )
-    assert_same((*chosen, *found), (*elements, *points))
+    for k in range(len(start) - 1):
+        before = mesh.elements[rows[start[k] : start[k + 1]]]
+        after = added[added_start[k] : added_start[k + 1]]
+        new = points[point_start[k] : point_start[k + 1]]
+        assert np.count_nonzero(after[:, 3] < 0) == np.count_nonzero(before[:, 3] < 0)
+        if not_against_each_other(before):
+            assert set(outline(before)) <= set(outline(after))
+        numbers = after[after >= len(mesh.points)]
+        assert set(numbers) == {*range(len(mesh.points), len(mesh.points) + len(new))}
+        if len(new):
+            corners = mesh.points[before[before >= 0]]
+            assert (new >= corners.min(axis=0) - 1e-12).all()
+            assert (new <= corners.max(axis=0) + 1e-12).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(meshes(ALL_KINDS))
-def test_node_removal(mesh):
+def test_a_ring_is_filled_up_to_its_outline(mesh):
     piece = workpiece(mesh)
     nodes = np.nonzero(piece.topology.inner_nodes)[0].astype(np.int32)
     rows, ways = alternatives(len(nodes), _core.FILLINGS)
-    assert_same(
-        _core.remove_nodes(nodes[rows], ways, mesh.elements, piece.around),
-        pillows.take_out(nodes[rows], ways, mesh.elements, *piece.around),
+    removed_start, removed, added_start, added = _core.remove_nodes(
+        nodes[rows], ways, mesh.elements, piece.around
     )
+    start, around = piece.around
+    for k, row in enumerate(rows):
+        gone = removed[removed_start[k] : removed_start[k + 1]]
+        after = added[added_start[k] : added_start[k + 1]]
+        if len(after):
+            node = nodes[row]
+            np.testing.assert_array_equal(gone, around[start[node] : start[node + 1]])
+            assert len(after) < len(gone)
+            assert np.count_nonzero(after[:, 3] < 0) <= 1
+            assert outline(after) == outline(mesh.elements[gone])
+        else:
+            assert not len(gone)
 
 
 @settings(max_examples=30, deadline=None)

@@ -130,6 +130,8 @@ impl StripGround<'_> {
 mod tests {
     use super::*;
     use crate::mesh::edges::{Edges, find_edges};
+    use crate::mesh::is_tria;
+    use proptest::prelude::*;
 
     /// A row of two quads between two trias.
     const ROW: [Element; 4] = [[0, 1, 2, -1], [2, 1, 3, 4], [4, 3, 5, 6], [6, 5, 7, -1]];
@@ -165,5 +167,45 @@ mod tests {
         assert_eq!(closed.start, [0, 3]);
         assert_eq!(closed.cells, [0, 1, 2]);
         assert!(closed.view().strip(0).is_closed());
+    }
+
+    /// Whether an element has a side with these nodes, in either direction.
+    fn has_side(element: Element, [a, b]: Rung) -> bool {
+        (0..4).filter(|place| element[*place] >= 0).any(|place| {
+            let (start, end) = (element[place], element[following(element, place)]);
+            (start, end) == (a, b) || (start, end) == (b, a)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn each_rung_is_a_side_of_both_cells(
+            elements in prop::collection::vec(prop::array::uniform4(0i32..12), 1..30),
+            tria in prop::collection::vec(any::<bool>(), 30),
+            editable in prop::collection::vec(any::<bool>(), 30),
+        ) {
+            let elements: Vec<Element> = elements.iter().zip(tria)
+                .map(|(e, tria)| if tria { [e[0], e[1], e[2], -1] } else { *e }).collect();
+            let edges = find_edges(&elements, 12);
+            let editable = &editable[..elements.len()];
+            let ground = StripGround { elements: &elements, graph: graph(&edges), editable };
+            let trias: Vec<i32> =
+                (0..).zip(&elements).filter(|(_, e)| is_tria(**e)).map(|(row, _)| row).collect();
+            let limits = Limits { reach: 5, steps: 2, partners: 3 };
+            for strips in [
+                straight_strips(ground, &trias, 5, 2),
+                closed_strips(ground),
+                shortest_strips(ground, &trias, limits),
+            ] {
+                for Strip { cells, rungs } in strips.view().iter() {
+                    for (i, rung) in rungs.iter().enumerate().filter(|(_, rung)| rung[0] >= 0) {
+                        let both = [cells[i], cells[(i + 1) % cells.len()]];
+                        for cell in both {
+                            prop_assert!(has_side(elements[cell as usize], *rung));
+                        }
+                    }
+                }
+            }
+        }
     }
 }

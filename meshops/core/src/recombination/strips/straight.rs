@@ -11,8 +11,8 @@ const SIDES: usize = 3;
 
 /// All straight strips that leave some trias.
 ///
-/// Those that end at another tria behind at most `reach` quads, each found once, and those that end
-/// in one of the first `steps` quads.
+/// Those that end at another tria behind at most `reach` quads (or `steps`, where that is more), each
+/// found once, and those that end in one of the first `steps` quads.
 pub fn straight_strips(
     ground: StripGround<'_>,
     trias: &[i32],
