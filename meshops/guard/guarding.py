@@ -19,7 +19,7 @@ from meshops.guard.rules import (
     spoils,
     tria_pairs,
 )
-from meshops.guard.surface import leaves_surface, turns_of
+from meshops.guard.surface import leaves_surface, shifts_border, turns_of
 from meshops.kernels.regularity import REGULAR
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.patch import join, without_doubles
@@ -97,7 +97,7 @@ def _kept_edit(
     part_was, part_now, parts = parts_of(mesh, change, was, now)
     sides, pairs = _sides(before, change, part_was, part_now, parts)
     kept = ~harms(*sides, pairs, before.setting)
-    kept &= ~leaves_surface(*sides, turns_of(before, part_was, parts))
+    kept &= ~_leaves_surface(before, change, sides, part_was)
     kept &= ~_fewer_rows(before, change, part_now, parts)
     if not neutral:
         kept &= gains(*sides, aim) & ~spoils(*sides)
@@ -127,7 +127,7 @@ def _harmed_places(origin: Workpiece, after: ShellMesh, aim: Aim) -> Floats:
     part_was, part_now, parts = parts_of(origin.mesh, change, *_changed(origin.mesh, change))
     sides, pairs = _sides(origin, change, part_was, part_now, parts)
     harmed = harms(*sides, pairs, origin.setting)
-    harmed |= leaves_surface(*sides, turns_of(origin, part_was, parts))
+    harmed |= _leaves_surface(origin, change, sides, part_was)
     harmed |= _fewer_rows(origin, change, part_now, parts)
     elements = change.elements[np.append(harmed, False)[part_now]]
     places: Floats = now.points[np.unique(elements[elements != NO_NODE])]
@@ -206,6 +206,15 @@ def _is_real(before: Workpiece) -> Bools:
     start, end = before.topology.edges.T
     real: Bools = (before.outside[start] < 0) & (before.outside[end] < 0)
     return real
+
+
+def _leaves_surface(
+    before: Workpiece, change: Change, sides: tuple[Side, Side], part_was: Ids
+) -> Bools:
+    """(P,) bool: parts of a change whose surface is another one."""
+    parts = sides[0].parts
+    shifted = shifts_border(before, change, part_was, parts)
+    return leaves_surface(*sides, turns_of(before, part_was, parts), shifted)
 
 
 def _fewer_rows(before: Workpiece, change: Change, part_now: Ids, parts: int) -> Bools:

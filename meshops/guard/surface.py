@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from meshops.guard.correspondence import Change
 from meshops.guard.faults import centres
 from meshops.guard.rules import Side
 from meshops.kernels.pairing import as_trias
@@ -19,15 +20,16 @@ EVEN = 1e-9
 """What the cosine between normals of a plane part may lack of 1."""
 
 
-def leaves_surface(before: Side, after: Side, turns: Floats) -> Bools:
+def leaves_surface(before: Side, after: Side, turns: Floats, suspect: Bools) -> Bools:
     """(P,) bool: parts of a change whose surface is another one, of those that are bent.
 
-    `turns` (P,) are the largest angles between facets in and at each part, see `turns_of`.
+    `turns` (P,) are the largest angles between facets in and at each part, see `turns_of`;
+    `suspect` (P,) are the parts to look at although they are plane.
     """
     normals = unit_normals(before.points, before.elements)
     mean = np.stack([before.total(normals[:, axis]) for axis in range(3)], axis=1)
     mean /= np.maximum(np.linalg.norm(mean, axis=1), 1e-300)[:, None]
-    bent = np.zeros(before.parts, bool)
+    bent = suspect.copy()
     bent[before.part[np.einsum("ij,ij->i", normals, mean[before.part]) < 1.0 - EVEN]] = True
     leaves = np.zeros(before.parts, bool)
     for part in np.nonzero(bent)[0]:
@@ -37,6 +39,22 @@ def leaves_surface(before: Side, after: Side, turns: Floats) -> Bools:
         most = OFF + float(np.tan(turns[part] / 4.0))
         leaves[part] = _differs(before.points, old, after.points, new, most)
     return leaves
+
+
+def shifts_border(before: Workpiece, change: Change, part_was: Ids, parts: int) -> Bools:
+    """(P,) bool: parts of a change with a node of the border that moves or goes."""
+    topology = before.topology
+    at_border = np.zeros(len(before.mesh.points), bool)
+    at_border[topology.edges[topology.is_border]] = True
+    stays = np.zeros(len(change.points), bool)
+    stays[change.elements[change.elements != NO_NODE]] = True
+    stays &= ~change.moved(before.mesh)
+    shifted = at_border & ~stays[: change.first_new]
+    elements = before.mesh.elements
+    touched = (shifted[elements] & (elements != NO_NODE)).any(axis=1) & (part_was >= 0)
+    shifts = np.zeros(parts, bool)
+    shifts[part_was[touched]] = True
+    return shifts
 
 
 def turns_of(before: Workpiece, part_was: Ids, parts: int) -> Floats:
