@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 pub mod arrays;
+mod candidates;
 mod cavities;
 mod edits;
 mod ground;
@@ -14,6 +15,7 @@ mod surface;
 
 /// Add all that Python sees to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    candidates::register(module)?;
     cavities::register(module)?;
     edits::register(module)?;
     ground::register(module)?;
