@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod annealing;
 pub mod arrays;
 mod candidates;
 mod cavities;
@@ -17,6 +18,7 @@ mod surface;
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     candidates::register(module)?;
     cavities::register(module)?;
+    annealing::register(module)?;
     edits::register(module)?;
     ground::register(module)?;
     mesh::register(module)?;
