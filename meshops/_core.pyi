@@ -462,3 +462,63 @@ def remove_nodes(
     ``FILLINGS``. Returns the elements that go and come, as in ``Candidates``; nothing for a way
     that there is not, or that is the same as another.
     """
+
+# --- annealing ------------------------------------------------------------------------------------
+
+class AnnealingPrices:
+    """What each lack costs over an element whose Q.I. is higher by 1.
+
+    A fault of shape, a tria, an irregular node, an element that is not valid, a fault of size.
+    """
+
+    def __new__(
+        cls, *, shape: float, tria: float, irregular: float, invalid: float, size: float
+    ) -> AnnealingPrices: ...
+
+class Cooling:
+    """Temperatures on the scale of the energy: from one to the other by the same share a trial."""
+
+    def __new__(cls, *, hot: float, cold: float, trials: int) -> Cooling: ...
+
+class WantedSizes:
+    """Edge lengths (X, Y, Z) that are wanted, each for a cube of a grid from `origin` (3,) on."""
+
+    def __new__(cls, sizes: Floats, origin: Floats, cell: float) -> WantedSizes: ...
+
+class AnnealingSite:
+    """Where a patch lies.
+
+    Parameters
+    ----------
+    outside : (n,) int32
+        How many elements outside of the patch meet at each node; -1: any number may meet there.
+    fixed
+        How many nodes, the first ones, stay where they are: those of the border.
+    plane : (3,) float64 or None
+        The normal of a plane patch. Where there is none, `ground` needs facets.
+    """
+
+    def __new__(
+        cls,
+        *,
+        outside: Ints,
+        fixed: int,
+        plane: Floats | None,
+        ground: Ground,
+        wanted: WantedSizes,
+    ) -> AnnealingSite: ...
+
+def anneal(
+    points: Floats,
+    elements: Ints,
+    site: AnnealingSite,
+    prices: AnnealingPrices,
+    scoring: Scoring,
+    cooling: Cooling,
+    seed: int,
+) -> tuple[Floats, Ints, float, float] | None:
+    """Anneal a patch by small random changes (Kirkpatrick, Gelatt and Vecchi 1983).
+
+    Returns its points and elements after it, border nodes first, and the energy before and after;
+    None where too many elements meet at a node.
+    """
