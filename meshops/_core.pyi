@@ -5,6 +5,7 @@ written to. ValueError where shapes do not fit or a row is named that is not the
 """
 
 from meshops.mesh import Bools, Floats, Ids, Ints
+from meshops.operations.candidates import CandidateArrays, Candidates
 from meshops.operations.strips import Strips
 from meshops.topology import Topology
 from meshops.workpiece import Workpiece
@@ -248,7 +249,7 @@ def unite_trias(points: Floats, elements: Ints) -> Ints:
     They are taken in the order of their rows, each on its shortest way to another.
     """
 
-# --- local edits --------------------------------------------------------------------------------
+# --- local edits ----------------------------------------------------------------------------------
 
 def evaluate_merges(
     genomes: Ids,
@@ -284,6 +285,72 @@ def rewire(elements: Ints, target: Ints) -> tuple[Ints, Ints, Ints]:
 
     `target` (N,) int32 has for each node the one that it is merged into, for most itself.
     """
+
+def evaluate_candidates(
+    candidates: Candidates,
+    workpiece: Workpiece,
+    scoring: Scoring,
+    plane_tolerance: float,
+    surface_tolerance: float,
+) -> Floats:
+    """(K, 56) quality sums of the mesh after each candidate alone.
+
+    NaN for a candidate that does nothing, or that would not leave the mesh whole, its new elements
+    sound and its new places on the surface. How far from it they may be: `plane_tolerance` is a
+    share of its extent, where it is plane, `surface_tolerance` one of the edge length there.
+    """
+
+class Claims:
+    """What each of some candidates needs for itself."""
+
+    def __new__(cls, candidates: Candidates, elements: Ints, around: tuple[Ints, Ints]) -> Claims:
+        """`around`: the elements of nodes, as `elements_of_nodes` finds them."""
+
+    def combine(self, genomes: Ids, changes: Floats) -> tuple[Floats, Bools]:
+        """Take the candidates of each genome in order, but none that needs what an earlier one has.
+
+        Parameters
+        ----------
+        genomes : (P, G) int64
+            Rows of candidates; a row beyond them is nothing.
+        changes : (K, 56) float64
+            What each candidate adds to the quality sums.
+
+        Returns
+        -------
+        (P, 56) float64 sums of the changes, and (P, G) bool which genes were taken.
+        """
+
+def join_trias(elements: Ints, pairs: Ints) -> CandidateArrays:
+    """One quad of each pair of trias (S, 2) that share an edge."""
+
+def swap_edges(elements: Ints, pairs: Ints) -> CandidateArrays:
+    """Two turns of the edge between each pair of elements (S, 2); one that there is not is empty.
+
+    Between two quads it turns to one of the two other long diagonals of their hexagon; between a
+    quad and a tria the tria changes its place in their pentagon; between two trias the first turn
+    is to the other diagonal.
+    """
+
+def collapse_diagonals(
+    quads: Ints, points: Floats, elements: Ints, around: tuple[Ints, Ints], free: Bools
+) -> CandidateArrays:
+    """Make the opposite nodes of each quad one, in two ways; empty where neither node is free.
+
+    A node that is free goes to the other, and both to the middle where both are free.
+    """
+
+def open_diagonals(
+    nodes: Ints, variants: int, points: Floats, elements: Ints, around: tuple[Ints, Ints]
+) -> CandidateArrays:
+    """Split each node along two of its edges and put a quad between, in up to 12 variants.
+
+    Variant i opens at edge i of the node and at the one half of the elements further on; empty
+    where there is none.
+    """
+
+def select_ranges(ranges: Ints, count: int) -> Bools:
+    """(count,) bool: union of ranges (K, 2) of numbers from 1, ends included, in any order."""
 
 # --- strips ---------------------------------------------------------------------------------------
 
@@ -394,4 +461,64 @@ def remove_nodes(
     `nodes` and `ways` (K,): the node of each candidate and the way to fill its ring, below
     ``FILLINGS``. Returns the elements that go and come, as in ``Candidates``; nothing for a way
     that there is not, or that is the same as another.
+    """
+
+# --- annealing ------------------------------------------------------------------------------------
+
+class AnnealingPrices:
+    """What each lack costs over an element whose Q.I. is higher by 1.
+
+    A fault of shape, a tria, an irregular node, an element that is not valid, a fault of size.
+    """
+
+    def __new__(
+        cls, *, shape: float, tria: float, irregular: float, invalid: float, size: float
+    ) -> AnnealingPrices: ...
+
+class Cooling:
+    """Temperatures on the scale of the energy: from one to the other by the same share a trial."""
+
+    def __new__(cls, *, hot: float, cold: float, trials: int) -> Cooling: ...
+
+class WantedSizes:
+    """Edge lengths (X, Y, Z) that are wanted, each for a cube of a grid from `origin` (3,) on."""
+
+    def __new__(cls, sizes: Floats, origin: Floats, cell: float) -> WantedSizes: ...
+
+class AnnealingSite:
+    """Where a patch lies.
+
+    Parameters
+    ----------
+    outside : (n,) int32
+        How many elements outside of the patch meet at each node; -1: any number may meet there.
+    fixed
+        How many nodes, the first ones, stay where they are: those of the border.
+    plane : (3,) float64 or None
+        The normal of a plane patch. Where there is none, `ground` needs facets.
+    """
+
+    def __new__(
+        cls,
+        *,
+        outside: Ints,
+        fixed: int,
+        plane: Floats | None,
+        ground: Ground,
+        wanted: WantedSizes,
+    ) -> AnnealingSite: ...
+
+def anneal(
+    points: Floats,
+    elements: Ints,
+    site: AnnealingSite,
+    prices: AnnealingPrices,
+    scoring: Scoring,
+    cooling: Cooling,
+    seed: int,
+) -> tuple[Floats, Ints, float, float] | None:
+    """Anneal a patch by small random changes (Kirkpatrick, Gelatt and Vecchi 1983).
+
+    Returns its points and elements after it, border nodes first, and the energy before and after;
+    None where too many elements meet at a node.
     """

@@ -5,6 +5,7 @@
 use numpy::ndarray::Array2;
 use numpy::{Element as Item, IntoPyArray, PyArray1, PyArray2};
 use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -133,6 +134,14 @@ impl<'a, 'py, T: Item + Copy, const W: usize> FromPyObject<'a, 'py> for Rows<'py
     }
 }
 
+/// Take something from an object by the name of the attribute.
+pub fn attribute<'py, T: FromPyObjectOwned<'py>>(
+    object: &Borrowed<'_, 'py, PyAny>,
+    name: &str,
+) -> PyResult<T> {
+    object.getattr(name)?.extract().map_err(Into::into)
+}
+
 /// Rows as an array (n, W).
 pub fn to_rows<T: Item, const W: usize>(
     py: Python<'_>,
@@ -219,12 +228,17 @@ pub fn check_lists<'a>(
 /// Lists, so many, of rows of something that has `count` of them.
 pub fn check_csr(csr: CsrView<'_>, lists: usize, count: usize) -> PyResult<CsrView<'_>> {
     let CsrView { start, items } = csr;
-    let rises = start.windows(2).fold(true, |rises, pair| rises & (pair[0] <= pair[1]));
-    let fits = start.len() == lists + 1
-        && start[0] == 0
-        && rises
-        && start.last().is_some_and(|end| *end as usize == items.len());
-    require(fits, "lists do not lie one behind the other")?;
+    require(start.len() == lists + 1, "there is not the right number of lists")?;
+    check_starts(start, items.len())?;
     check_rows(items, count, "a list names a row that is not there")?;
     Ok(csr)
+}
+
+/// Lists of so many items in all lie one behind the other.
+pub fn check_starts(start: &[i32], items: usize) -> PyResult<()> {
+    let rises = start.windows(2).fold(true, |rises, pair| rises & (pair[0] <= pair[1]));
+    let fits = rises
+        && start.first() == Some(&0)
+        && start.last().is_some_and(|end| *end as usize == items);
+    require(fits, "lists do not lie one behind the other")
 }

@@ -2,7 +2,9 @@
 
 use pyo3::prelude::*;
 
+mod annealing;
 pub mod arrays;
+mod candidates;
 mod cavities;
 mod edits;
 mod ground;
@@ -14,12 +16,14 @@ mod surface;
 
 /// Add all that Python sees to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    annealing::register(module)?;
+    candidates::register(module)?;
     cavities::register(module)?;
     edits::register(module)?;
     ground::register(module)?;
     mesh::register(module)?;
     quality::register(module)?;
-    strips::register(module)?;
     recombination::register(module)?;
+    strips::register(module)?;
     surface::register(module)
 }
