@@ -249,6 +249,97 @@ def unite_trias(points: Floats, elements: Ints) -> Ints:
     They are taken in the order of their rows, each on its shortest way to another.
     """
 
+# --- meshing of plane areas and patches -----------------------------------------------------------
+
+def clip_ears(points: Floats, start: Ints) -> Ints | None:
+    """(t, 3) trias of the area within closed loops; None where they do not bound an area.
+
+    Loop i has the points (n, 2) ``start[i]:start[i + 1]``: one runs counter-clockwise around the
+    area, all others clockwise around a hole in it.
+    """
+
+def pack_parallelograms(
+    points: Floats, trias: Ints, border: Ints, size: float, room: int
+) -> tuple[Floats, Ints] | None:
+    """Fill a plane area with nodes for quads of edge `size`, in rows along its border.
+
+    Parameters
+    ----------
+    points : (n, 2) float64
+        Border nodes come first.
+    trias : (t, 3) int32
+        An older triangulation of the area, whose border stays.
+    border : (b, 2) int32
+        Border edges in the direction of their tria.
+    size : float
+    room : int
+        Most nodes that may be placed.
+
+    Returns
+    -------
+    The points (n', 2), border nodes first, and the trias (t', 3); None where the area cannot be
+    triangulated on its border.
+    """
+
+def fill_by_refinement(
+    points: Floats, trias: Ints, border: Ints, size: float, room: int
+) -> tuple[Floats, Ints] | None:
+    """Fill an area with trias of edge `size` by Delaunay refinement and Laplace smoothing.
+
+    Parameters and results are those of ``pack_parallelograms``.
+    """
+
+def fill_by_bubbles(
+    points: Floats, trias: Ints, border: Ints, size: float, room: int
+) -> tuple[Floats, Ints] | None:
+    """Fill an area with trias of edge `size` by bubble packing.
+
+    Parameters and results are those of ``pack_parallelograms``.
+    """
+
+def lift(flat: Floats, trias: Ints, points: Floats, places: Floats) -> Floats:
+    """(q, 3) places on a surface of places (q, 2) in the plane of its flattened trias.
+
+    `flat` (n, 2) and `points` (n, 3) are its nodes in the plane and in space. Where a place lies in
+    no tria, the nearest node lends its own.
+    """
+
+def area_normals(points: Floats, trias: Ints) -> Floats:
+    """(T, 3) normals of trias, as long as twice their area."""
+
+def extents(points: Floats) -> tuple[float, float]:
+    """Largest coordinate without its sign; largest distance along an axis from the first point.
+
+    Infinite where a coordinate is not finite.
+    """
+
+def collar_apexes(points: Floats, trias: Ints, border: Ints) -> Floats:
+    """(b, 3) points, one outside each border edge, in the plane of the tria inside it."""
+
+class BorderCollar:
+    """A patch of trias with one more tria outside each border edge, so that remeshing keeps it."""
+
+    points: Floats
+    """(n + b, 3); the apexes of the collar come last."""
+    trias: Ints
+    """(t + b, 3); those of the collar come last."""
+    inside: Floats
+    """(t + b,) 1 for the trias of the patch, 0 for those of the collar."""
+
+    def __new__(cls, points: Floats, trias: Ints, border: Ints, nudge: float) -> BorderCollar:
+        """Put a collar on a patch (n, 3), (t, 3), (b, 2).
+
+        Nodes at the same place are set apart by `nudge`; a node of the border may come back so far
+        from its place.
+        """
+
+    def take_off(self, points: Floats, trias: Ints, inside: Floats) -> tuple[Floats, Ints]:
+        """Take the collar off the remeshed patch: its points and trias.
+
+        Nodes of the border first, at the rows and places that they had. ValueError where a
+        coordinate is not finite or the border did not come back whole.
+        """
+
 # --- local edits ----------------------------------------------------------------------------------
 
 def evaluate_merges(

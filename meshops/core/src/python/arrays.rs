@@ -129,7 +129,12 @@ impl<'a, 'py, T: Item + Copy, const W: usize> FromPyObject<'a, 'py> for Rows<'py
         if array.is_c_contiguous() {
             Ok(Self::Borrowed(array))
         } else {
-            Ok(Self::Copied(array.as_array().iter().copied().collect()))
+            let view = array.as_array();
+            let mut items = Vec::with_capacity(view.len());
+            for row in view.rows() {
+                items.extend((0..W).map(|k| row[k]));
+            }
+            Ok(Self::Copied(items))
         }
     }
 }

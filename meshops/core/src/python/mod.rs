@@ -9,6 +9,7 @@ mod cavities;
 mod edits;
 mod ground;
 mod mesh;
+mod meshing;
 mod quality;
 mod recombination;
 mod strips;
@@ -22,6 +23,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     edits::register(module)?;
     ground::register(module)?;
     mesh::register(module)?;
+    meshing::register(module)?;
     quality::register(module)?;
     recombination::register(module)?;
     strips::register(module)?;
