@@ -13,7 +13,7 @@ use crate::math::least;
 use crate::mesh::valence::Valences;
 use crate::mesh::validity::{FACING, unit_normal};
 use crate::mesh::{Element, is_tria, size_of};
-use crate::quality::{CRITERIA, Measures, QualitySums, Scoring};
+use crate::quality::{CRITERIA, ElementSums, QualitySums, Scoring};
 use crate::surface::Surface;
 use crate::vectors::{Vector, add, area_vector, corner_jacobian_min, dot, length, subtract, unit};
 
@@ -96,6 +96,8 @@ struct Evaluator<'a> {
     /// What elements are like, as far as it was asked for, and where each one is there, from 1.
     known: Vec<Known>,
     known_at: Vec<u32>,
+    /// What each element adds to the sums of the mesh.
+    of_elements: ElementSums<'a>,
     counts: Vec<i32>,
 }
 
@@ -113,6 +115,7 @@ impl<'a> Evaluator<'a> {
             affected: Vec::new(),
             known: Vec::new(),
             known_at: vec![0; elements],
+            of_elements: ElementSums::new(mesh.cavity.elements, mesh.measures, mesh.scoring),
             counts: vec![0; nodes + most_points],
         }
     }
@@ -237,7 +240,7 @@ impl<'a> Evaluator<'a> {
         let elements = self.mesh.cavity.elements;
         let mut sums = *self.mesh.sums;
         for row in candidate.removed {
-            self.take_out(&mut sums, *row);
+            sums.take_away(self.of_elements.get(*row));
         }
         for element in candidate.added {
             self.put_in(&mut sums, *element);
@@ -247,17 +250,10 @@ impl<'a> Evaluator<'a> {
         let (goes, comes) = (candidate.removed, candidate.added);
         sums.irregular += valences.irregular_change(goes, comes, &mut self.counts) as f64;
         for row in &self.affected {
-            self.take_out(&mut sums, *row);
+            sums.take_away(self.of_elements.get(*row));
             self.put_in(&mut sums, elements[*row as usize]);
         }
         sums
-    }
-
-    /// Take an element out of the sums as it was.
-    fn take_out(&self, sums: &mut QualitySums, row: i32) {
-        let row = row as usize;
-        let measures = Measures::from(self.mesh.measures[row]);
-        sums.add(&measures, is_tria(self.mesh.cavity.elements[row]), -1.0, self.mesh.scoring);
     }
 
     /// Add an element to the sums as it will be; not inlined, so that it is compiled in once.
