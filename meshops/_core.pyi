@@ -192,6 +192,13 @@ def nearest(
     near ones the first.
     """
 
+class FacetTree:
+    """The facets of a surface that is asked many times; there is one."""
+
+    def __new__(cls, points: Floats, facets: Ints) -> FacetTree: ...
+    def nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
+        """Find what the function of that name finds."""
+
 def areas_of(points: Floats, facets: Ints) -> tuple[Floats, float]:
     """Sum of the area vectors of facets (3,), and sum of their areas."""
 

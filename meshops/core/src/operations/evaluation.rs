@@ -4,8 +4,8 @@
 //! nodes move are sound, and whether new places are on the surface; then what they add to the
 //! quality sums. A candidate is seen on its own: the mesh is as it was before the next one.
 //!
-//! The cost grows with the elements that a candidate touches and, where the surface is not plane,
-//! with its facets; scratch grows with the mesh, but is made once.
+//! The cost grows with the elements that a candidate touches; scratch grows with the mesh, but is
+//! made once.
 
 use super::candidates::{Candidate, Candidates};
 use super::cavity::{CavityChecker, CavityMesh};
@@ -14,7 +14,7 @@ use crate::mesh::valence::Valences;
 use crate::mesh::validity::{FACING, unit_normal};
 use crate::mesh::{Element, is_tria, size_of};
 use crate::quality::{CRITERIA, ElementSums, QualitySums, Scoring};
-use crate::surface::Surface;
+use crate::surface::FacetTree;
 use crate::vectors::{Vector, add, area_vector, corner_jacobian_min, dot, length, subtract, unit};
 
 /// `corner_jacobian_min` from which a new element counts as sound.
@@ -37,7 +37,7 @@ pub enum SurfaceBound<'a> {
     /// Facets.
     Facets {
         /// They.
-        surface: Surface<'a>,
+        facets: &'a FacetTree,
         /// The distance over the edge length of the elements there.
         tolerance: f64,
     },
@@ -212,14 +212,9 @@ impl<'a> Evaluator<'a> {
             SurfaceBound::Plane { origin, normal, tolerance } => {
                 places.all(|place| dot(subtract(place, origin), normal).abs() <= tolerance)
             }
-            SurfaceBound::Facets { surface, tolerance } => {
+            SurfaceBound::Facets { facets, tolerance } => {
                 let limit = tolerance * self.edge_length(candidate);
-                let mut guess = 0;
-                places.all(|place| {
-                    let foot = surface.nearest(place, guess);
-                    guess = foot.facet;
-                    foot.distance <= limit
-                })
+                places.all(|place| facets.is_within(place, limit))
             }
         }
     }

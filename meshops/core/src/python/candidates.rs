@@ -4,11 +4,12 @@ use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 
 use super::arrays::{
-    Array, Grid, List, Rows, Table, attribute, check_elements, check_facets, check_lists,
-    check_rows, check_starts, require, to_list, to_rows,
+    Array, Grid, List, Rows, Table, attribute, check_elements, check_lists, check_rows,
+    check_starts, require, to_list, to_rows,
 };
 use super::mesh::PyElementGraph;
 use super::quality::{PyScoring, exactly};
+use super::surface::PyFacetTree;
 use crate::mesh::csr::CsrView;
 use crate::operations::candidates::{CandidateList, Candidates};
 use crate::operations::cavity::CavityMesh;
@@ -16,7 +17,6 @@ use crate::operations::conflicts::Claims;
 use crate::operations::evaluation::{self, EvaluationMesh, SurfaceBound};
 use crate::quality::sums::SUMS;
 use crate::quality::{CRITERIA, QualitySums};
-use crate::surface::Surface;
 use crate::surface::plane::extent;
 
 /// A mesh as Python has it.
@@ -85,20 +85,18 @@ impl<'a, 'py> FromPyObject<'a, 'py> for EvaluationArrays<'py> {
 /// What the evaluation of candidates needs of a `PatchSurface`.
 enum SurfaceArrays<'py> {
     Plane { points: Rows<'py, f64, 3>, normal: List<'py, f64> },
-    Facets { points: Rows<'py, f64, 3>, facets: Rows<'py, i32, 3>, spheres: Rows<'py, f64, 4> },
+    Facets(Bound<'py, PyFacetTree>),
 }
 
 impl<'a, 'py> FromPyObject<'a, 'py> for SurfaceArrays<'py> {
     type Error = PyErr;
 
     fn extract(surface: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let points = surface.getattr("points")?.extract()?;
-        if let Some(normal) = surface.getattr("plane")?.extract()? {
-            return Ok(Self::Plane { points, normal });
+        match attribute(&surface, "plane")? {
+            Some(normal) => Ok(Self::Plane { points: attribute(&surface, "points")?, normal }),
+            // only asked for where it is needed: it is made then
+            None => Ok(Self::Facets(attribute(&surface, "tree")?)),
         }
-        let facets = surface.getattr("trias")?.extract()?;
-        // only asked for where they are needed: they are made then
-        Ok(Self::Facets { points, facets, spheres: surface.getattr("spheres")?.extract()? })
     }
 }
 
@@ -114,14 +112,7 @@ impl SurfaceArrays<'_> {
                     tolerance: plane_tolerance * extent(points),
                 })
             }
-            Self::Facets { points, facets, spheres } => {
-                let (points, facets, spheres) = (points.rows(), facets.rows(), spheres.rows());
-                check_facets(facets, points.len())?;
-                require(facets.len() == spheres.len(), "each facet needs one sphere")?;
-                require(!facets.is_empty(), "there is no facet to be near to")?;
-                let surface = Surface { points, facets, spheres };
-                Ok(SurfaceBound::Facets { surface, tolerance })
-            }
+            Self::Facets(tree) => Ok(SurfaceBound::Facets { facets: &tree.get().0, tolerance }),
         }
     }
 }

@@ -127,6 +127,29 @@ impl FacetTree {
         Foot { point: best.point, distance: best.squared.sqrt(), facet: best.row }
     }
 
+    /// Whether the surface is no farther away from a place than `distance`: faster than to look for
+    /// the nearest point, as any that is near enough will do.
+    pub fn is_within(&self, place: Vector, distance: f64) -> bool {
+        // a little more than rounding can make of it
+        let squared = distance * distance * (1.0 + 1e-9);
+        distance >= 0.0 && self.is_near(0, place, distance, squared)
+    }
+
+    fn is_near(&self, at: usize, place: Vector, distance: f64, squared: f64) -> bool {
+        let branch = &self.branches[at];
+        if branch.second == 0 {
+            return self.faces[branch.first..branch.last]
+                .iter()
+                .any(|face| closest_on_facet(place, face.corners).1.sqrt() <= distance);
+        }
+        let children = [at + 1, branch.second];
+        let away = children.map(|child| self.branches[child].bounds.squared_distance(place));
+        let nearer = usize::from(away[1] < away[0]);
+        [nearer, 1 - nearer].into_iter().any(|child| {
+            away[child] <= squared && self.is_near(children[child], place, distance, squared)
+        })
+    }
+
     fn look(&self, at: usize, place: Vector, best: &mut Best) {
         let branch = &self.branches[at];
         if branch.second == 0 {
@@ -199,6 +222,9 @@ mod tests {
                 prop_assert_eq!(found.distance, plain.distance);
                 // where rounding hides one of two equally near facets from the plain search
                 prop_assert!(found.facet <= plain.facet);
+                prop_assert!(tree.is_within(place, found.distance));
+                let less = found.distance * (1.0 - 1e-15);
+                prop_assert_eq!(tree.is_within(place, less), less >= found.distance);
             }
         }
     }
