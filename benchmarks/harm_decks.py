@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from benchmarks.gmsh_structured import GMSH_PARTS, gmsh_structured
 from benchmarks.structured import structured
 from meshops.formats import KNOWN, read_deck
+from meshops.formats.verified import write_verified
 from meshops.mesh import ShellMesh
 
 SHARED = Path(__file__).resolve().parents[2] / "shared"
@@ -48,10 +49,16 @@ class Source:
         """Return what is read of the deck that is written with a mesh; itself without a file."""
         if self.path is None:
             return mesh
+        found = [mesh]
+
+        def keep(_: ShellMesh, again: ShellMesh) -> tuple[str, ...]:
+            found.append(again)
+            return ()
+
         with TemporaryDirectory() as folder:
             path = Path(folder) / self.path.name
-            read_deck(self.path).write(mesh, path)
-            return read_deck(path).mesh
+            write_verified(read_deck(self.path), mesh, path, keep, read_deck)
+        return found[-1]
 
     @property
     def planted(self) -> int:

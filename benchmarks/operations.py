@@ -2,7 +2,7 @@
 
 ReplaceNode is measured on the plate with the paper's settings, in individuals of 10 merges a second
 on one core. Remesh is measured on patches of tiled plates against the bare pymeshlab call: the same
-trias with the same skirt, put into a fresh MeshSet, remeshed and read back, and nothing else. The
+trias with the same collar, put into a fresh MeshSet, remeshed and read back, and nothing else. The
 pairing, the smoothing, the guards and the quality are on our side alone.
 
 Every other operation is measured on the plate by the time to build its search space, which judges
@@ -21,10 +21,10 @@ import pymeshlab
 
 from benchmarks.report import Row, parser, publish
 from benchmarks.tiling import tiled
+from meshops._core import collar_apexes
 from meshops.criteria import PAPER
 from meshops.examples import plate
 from meshops.fitness import Fitness
-from meshops.kernels.skirt import skirt_apexes
 from meshops.mesh import Floats, Ints, ShellMesh
 from meshops.operations import (
     ALL_OPERATIONS,
@@ -120,10 +120,10 @@ def _patch_rows(workpiece: Workpiece, elements: int) -> Ints:
 def _bare_call(patch: Patch) -> Callable[[], tuple[Floats, Ints]]:
     surface = PatchSurface.of(patch.points, patch.elements)
     size = TRIA_OF_QUAD * surface.mean_edge(patch)
-    apexes = skirt_apexes(patch.points, surface.trias, patch.border)
+    apexes = collar_apexes(patch.points, surface.trias, patch.border)
     outer = np.arange(len(patch.points), len(patch.points) + len(apexes), dtype=np.int32)
-    skirt = np.column_stack([patch.border[:, ::-1], outer]).astype(np.int32)
-    points, trias = np.concatenate([patch.points, apexes]), np.concatenate([surface.trias, skirt])
+    collar = np.column_stack([patch.border[:, ::-1], outer]).astype(np.int32)
+    points, trias = np.concatenate([patch.points, apexes]), np.concatenate([surface.trias, collar])
     selected = (np.arange(len(trias)) < len(surface.trias)).astype(np.float64)
 
     def call() -> tuple[Floats, Ints]:

@@ -332,6 +332,7 @@ def perform_rounds(
 ) -> ShellMesh:
     """Perform rounds; each of their places is guarded by itself. See `perform`."""
     reference = reference or Reference(mesh, setting.feature_angle)
+    origin = Workpiece(mesh, setting)
     for done in rounds:
         if done.extent is None:
             mesh = perform_steps(mesh, done.places[0].steps, operations, setting)
@@ -347,7 +348,7 @@ def perform_rounds(
                 root = Workpiece(subdomain.mesh, own, surface)
                 after = guarded(root, after, done.aim, neutral=done.keeps_neutral)
                 edits.append(subdomain.edit(mesh, after))
-        mesh = guarded_edits(start, edits, done.aim, neutral=done.keeps_neutral)
+        mesh = guarded_edits(start, edits, done.aim, origin=origin, neutral=done.keeps_neutral)
     return mesh
 
 

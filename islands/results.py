@@ -111,12 +111,8 @@ def _smallness(done: Finished) -> str:
 
 
 def _left(done: Finished) -> str:
-    if not done.left_in_rows:
-        return ""
-    return (
-        f" {done.left_in_rows:,} elements fail by size alone in regular rows and are left as they "
-        "are: another density would be needed, or another size (--size)."
-    )
+    words = done.left_in_rows.words()
+    return f" {words}, or another size (--size)." if words else ""
 
 
 def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
@@ -137,7 +133,7 @@ def result_document(job: Job, done: Finished) -> Mapping[str, Any]:
             "nodes": done.changed_nodes,
             "elements_per_fault": done.changed_per_fault,
         },
-        "left_in_regular_rows": done.left_in_rows,
+        "left_in_regular_rows": asdict(done.left_in_rows),
         "worse": list(done.worse),
         "fitness": done.fitness,
         "procedure": done.text,

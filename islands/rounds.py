@@ -96,6 +96,7 @@ class _Search:
     ) -> None:
         self.problem = problem
         self.reference = reference
+        self.origin = Workpiece(reference.mesh, problem.setting)
         self.plan = plan
         self.schedule = schedule
         self.executor = executor
@@ -124,13 +125,8 @@ class _Search:
         state = self.state
         rounds = state.rounds[: state.best_rounds]
         reason = state.reason if status == "finished" else ""
-        mesh = self._guarded(state.best, rounds)
+        mesh = guarded(self.origin, state.best, all_aims(rounds))
         return Evolution(mesh, rounds, state.evaluations, state.performed, status, reason)
-
-    def _guarded(self, best: ShellMesh, rounds: tuple[Round, ...]) -> ShellMesh:
-        """Keep of all changes what is none for the worse of the mesh that the run began with."""
-        start = Workpiece(self.reference.mesh, self.problem.setting)
-        return guarded(start, best, all_aims(rounds))
 
     def _first(self) -> SearchState:
         # larger subdomains at once where places are dense, and small ones would be in the way
@@ -253,7 +249,7 @@ class _Search:
         ]
         states, pieces, status = self._evolve(works)
         empty = Round(extent, turn, (), state.aim, drifts)
-        done, mesh = stitched(before, empty, found, pieces)
+        done, mesh = stitched(self.origin, before, empty, found, pieces)
         self._take(mesh, done)
         self._report(done, extent, problem, works, states)
         if state.aim == "faults":

@@ -17,6 +17,7 @@ from islands.assessing import assessment_of
 from islands.config import Config
 from islands.executors.local import LocalExecutor
 from islands.integration_ga import Problem
+from islands.left_in_rows import LeftInRows
 from islands.procedure import Procedure, Round
 from islands.replay import read_procedure
 from islands.rounds import evolve_rounds
@@ -157,8 +158,7 @@ class Finished:
     irregular_before, irregular_after : int
         Inner nodes at which not just four elements meet.
     changed_elements, changed_nodes : int
-    left_in_rows : int
-        Elements that fail by size alone in regular rows, which are left as they are.
+    left_in_rows : LeftInRows
     """
 
     mesh: ShellMesh
@@ -175,7 +175,7 @@ class Finished:
     irregular_after: int
     changed_elements: int
     changed_nodes: int
-    left_in_rows: int
+    left_in_rows: LeftInRows
 
     @property
     def changed_per_fault(self) -> float | None:
@@ -372,5 +372,5 @@ def _finish(job: Job, before: QualityIndex, evolution: Evolution, started: float
         irregular_after=int(tally[IRREGULAR]),
         changed_elements=changed_elements,
         changed_nodes=changed_nodes,
-        left_in_rows=int(np.count_nonzero(after.in_regular_rows)),
+        left_in_rows=LeftInRows.of(after),
     )

@@ -47,6 +47,7 @@ def subdomain_work(
 
 
 def stitched(
+    origin: Workpiece,
     before: Workpiece,
     empty: Round,
     found: Sequence[Subdomain],
@@ -54,7 +55,7 @@ def stitched(
 ) -> tuple[Round, ShellMesh]:
     """Put back what became of subdomains, of as many as there are pieces.
 
-    `empty` is the round before it has places.
+    `origin` is the mesh that the run began with, `empty` the round before it has places.
     """
     done, edits = [], []
     for subdomain, piece in zip(found, pieces, strict=False):
@@ -62,5 +63,5 @@ def stitched(
         if piece.steps:
             edits.append(subdomain.edit(before.mesh, piece.mesh))
         done.append(Place((x, y, z), piece.steps))
-    after = guarded_edits(before, edits, empty.aim, neutral=empty.keeps_neutral)
+    after = guarded_edits(before, edits, empty.aim, origin=origin, neutral=empty.keeps_neutral)
     return replace(empty, places=tuple(done)), after

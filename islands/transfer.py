@@ -38,7 +38,7 @@ def transfer(
         )
     reference = Reference(mesh, setting.feature_angle)
     box = np.array([mesh.points.min(axis=0), mesh.points.max(axis=0)])
-    rounds = []
+    origin, rounds = Workpiece(mesh, setting), []
     for done in procedure.rounds:
         assert done.extent is not None
         known = [place for place in done.places if place.steps]
@@ -54,7 +54,7 @@ def transfer(
             places.append(place)
             edits.append(edit)
         if any(place.steps for place in places):
-            mesh = guarded_edits(start, edits, done.aim)
+            mesh = guarded_edits(start, edits, done.aim, origin=origin)
             rounds.append(replace(done, places=tuple(places), keeps_neutral=False))
     return mesh, tuple(rounds)
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from meshops.kernels.pairing import match_greedily, merge_pairs, pair_shapes, tria_neighbours
+from meshops._core import greedy_matching, merge_pairs, pair_shapes, tria_neighbours
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.topology import topology
 
@@ -109,8 +109,7 @@ def _recombined(points: Floats, trias: Ints) -> Ints:
     """(M, 4) quads of good pairs of trias; the others stay trias, as an automatic mesher does."""
     neighbours = tria_neighbours(trias, len(points))
     shapes = pair_shapes(points, trias, neighbours)
-    quads: Ints = merge_pairs(trias, neighbours, match_greedily(neighbours, shapes, _LEAST_SHAPE))
-    return quads
+    return merge_pairs(trias, neighbours, greedy_matching(neighbours, shapes, _LEAST_SHAPE))
 
 
 def _relaxed(points: Floats, edges: Ints, still: Bools) -> Floats:

@@ -11,13 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from meshops._core import valid_elements
+from meshops._core import clip_ears, pack_parallelograms, split_quads, unite_trias, valid_elements
 from meshops.errors import InputError
-from meshops.kernels.clipping import clip_ears
-from meshops.kernels.packing import pack_squares
-from meshops.kernels.pairing import split_quads
 from meshops.kernels.smoothing import smooth
-from meshops.kernels.uniting import unite_trias
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.outlines import Outlines, loops_of
 from meshops.patch import Patch, extract
@@ -152,11 +148,10 @@ def _mesh_zone(patch: Patch, outlines: Outlines, size: float) -> tuple[Floats, I
     flat = raw.flattened(on_border)
     room = raw.room(size) + len(rows)
     trias = clip_ears(flat, start)
-    if not len(trias):
+    packed = None if trias is None else pack_parallelograms(flat, trias, border, size, room)
+    if packed is None:
         return None
-    whole, inside, anew = pack_squares(flat, trias, border, len(rows), size, room)
-    if not whole:
-        return None
+    inside, anew = packed
     points = np.concatenate([on_border, raw.lift_inner(inside[len(rows) :])])
     elements = _quads(points, anew, len(rows), PatchSurface.of(patch.points, patch.elements))
     inner = points[len(rows) :]
@@ -173,5 +168,4 @@ def _quads(points: Floats, trias: Ints, border_nodes: int, surface: PatchSurface
     smooth(points, elements, border_nodes, SMOOTHING_SWEEPS)
     surface.project(points, border_nodes)
     sound = valid_elements(points, elements, LEAST_CORNER)
-    split: Ints = split_quads(points, elements, ~sound)
-    return split
+    return split_quads(points, elements, ~sound)

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops._core import find_edges, unit_normals
-from meshops.kernels.pairing import split_quads
+from meshops._core import find_edges, split_quads, unit_normals
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.patch import Patch
 from meshops.surface import PatchSurface

@@ -1,6 +1,6 @@
 """Isotropic remeshing of a tria patch by pymeshlab: the only file that imports it.
 
-What was measured of pymeshlab shapes this file: open borders move unless the patch has a skirt of
+What was measured of pymeshlab shapes this file: open borders move unless the patch has a collar of
 unselected trias; nodes at the same place become one; flags that a call leaves out keep the value of
 an earlier call; selecting by an expression crashes on a mesh built from arrays; non-finite
 coordinates crash the filter.
@@ -11,17 +11,9 @@ from __future__ import annotations
 from math import inf, isfinite, ulp
 from typing import Any
 
-import numpy as np
 import pymeshlab
 
-from meshops.kernels.skirt import (
-    BORDER_CHANGED,
-    BORDER_MOVED,
-    NOT_FINITE,
-    extents,
-    put_on,
-    take_off,
-)
+from meshops._core import BorderCollar, extents
 from meshops.mesh import Floats, Ints
 
 SWEEPS = 2
@@ -31,12 +23,6 @@ _LARGEST = 1e6
 
 _NUDGE = 1e-9
 """Of the edge length: how far nodes at the same place, as on a slit, are set apart."""
-
-_FAULTS = {
-    NOT_FINITE: "remeshing left the finite numbers",
-    BORDER_CHANGED: "remeshing changed the border",
-    BORDER_MOVED: "remeshing moved the border",
-}
 
 
 class RemeshError(Exception):
@@ -73,25 +59,19 @@ def remesh_isotropic(points: Floats, trias: Ints, border: Ints, size: float) -> 
     if extent > _LARGEST * size:
         raise RemeshError(f"the patch is over {_LARGEST:.0e} times as large as the edge length")
     nudge = max(_NUDGE * size, 4.0 * ulp(largest))
-    places, skirted, inside = put_on(points, trias, border, nudge)
+    collar = BorderCollar(points, trias, border, nudge)
 
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(places, skirted, f_scalar_array=inside))
+    meshes.add_mesh(pymeshlab.Mesh(collar.points, collar.trias, f_scalar_array=collar.inside))
     meshes.compute_selection_by_scalar_per_face(minq=0.5, maxq=2.0)
     meshes.meshing_isotropic_explicit_remeshing(**isotropic_options(size))
     remeshed = meshes.current_mesh()
-    new_points, new_trias, fault = take_off(
-        np.ascontiguousarray(remeshed.vertex_matrix()),
-        np.ascontiguousarray(remeshed.face_matrix()),
-        remeshed.face_scalar_array(),
-        points,
-        border,
-        places,
-        nudge,
-    )
-    if fault:
-        raise RemeshError(_FAULTS[fault])
-    return new_points, new_trias
+    try:
+        return collar.take_off(
+            remeshed.vertex_matrix(), remeshed.face_matrix(), remeshed.face_scalar_array()
+        )
+    except ValueError as fault:
+        raise RemeshError(str(fault)) from None
 
 
 def isotropic_options(size: float) -> dict[str, Any]:

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from meshops._core import all_facing, has_doubles, valid_elements
+from meshops import _core
+from meshops._core import all_facing, has_doubles, split_quads, valid_elements
 from meshops.edit import Edit
-from meshops.kernels.pairing import pair_up, split_quads
 from meshops.kernels.smoothing import smooth
 from meshops.mesh import Floats, Ints
 from meshops.patch import Patch, extract, join, stitch
@@ -136,5 +136,4 @@ def remesh_patch(
 
 def recombine(points: Floats, trias: Ints) -> Ints:
     """Pair trias (T, 3) to quads, as many as can be and good ones first; (M, 4) elements."""
-    elements: Ints = pair_up(points, trias, LEAST_PAIR, GOOD_PAIR)
-    return elements
+    return _core.recombine(points, trias, LEAST_PAIR, GOOD_PAIR)

@@ -137,6 +137,16 @@ class Rows:
         return lost
 
 
+def rows_across(mesh: ShellMesh, chosen: Bools, feature_angle: float) -> tuple[int, int] | None:
+    """Fewest and most quads across the strips that elements (M,) bool lie in; None for no strip."""
+    found = topology(mesh, feature_angle=feature_angle)
+    barriers = edge_keys(found.edges[~found.crossable], len(mesh.points))
+    part = np.where(chosen, 0, -1)
+    rows = Walks.of(mesh.points, mesh.elements, part, barriers)
+    narrow = rows.rows[(rows.part == 0) & (rows.rows > 0) & (rows.rows <= STRIP)]
+    return (int(narrow.min()), int(narrow.max())) if len(narrow) else None
+
+
 def _walk(
     elements: Ints,
     element_edges: Ints,

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import dist
 
 import numpy as np
 
-from meshops._core import areas_of, bounding_spheres, nearest, plane_of, unit_normals
-from meshops.kernels.pairing import as_trias
+from meshops._core import (
+    FacetTree,
+    areas_of,
+    as_trias,
+    bounding_spheres,
+    nearest,
+    plane_of,
+    unit_normals,
+)
 from meshops.mesh import NO_NODE, Floats, Ints
 from meshops.patch import Patch
 
@@ -96,6 +103,15 @@ class PatchSurface:
         """(t, 4) centres and radii of spheres around the trias."""
         return bounding_spheres(self.points, self.trias)
 
+    @cached_property
+    def tree(self) -> FacetTree:
+        """The trias for many questions, where the surface is not plane."""
+        return FacetTree(self.points, self.trias)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out what was made of the trias: it is made again where it is needed."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
     def near(self, points: Floats, margin: float) -> tuple[Ints, Floats]:
         """Trias (T, 3) that points up to `margin` away from some points can be nearest to.
 
@@ -110,7 +126,7 @@ class PatchSurface:
         return self.trias[near], self.spheres[near]
 
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
-        return nearest(queries, self.points, self.trias, self.spheres)
+        return self.tree.nearest(queries)
 
 
 def _centres(points: Floats, elements: Ints) -> Floats:

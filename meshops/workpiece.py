@@ -235,17 +235,21 @@ class Workpiece:
         return bool(after > before) or bool((tally[faults] == self.tally[faults]).all())
 
     @cached_property
+    def failed_criteria(self) -> Bools:
+        """(M, C) bool: which criterion of elements each element fails."""
+        fails: Bools = failing_penalties(self._penalties, self.setting.scoring)
+        return fails
+
+    @cached_property
     def failing(self) -> Bools:
         """(M,) bool: which elements fail a criterion."""
-        fails = failing_penalties(self._penalties, self.setting.scoring)
-        failing: Bools = np.any(fails, axis=1)
+        failing: Bools = np.any(self.failed_criteria, axis=1)
         return failing
 
     @cached_property
     def failing_by_shape(self) -> Bools:
         """(M,) bool: which elements fail a criterion of shape."""
-        fails = failing_penalties(self._penalties[:, SHAPES], self.setting.scoring)
-        failing: Bools = np.any(fails, axis=1)
+        failing: Bools = np.any(self.failed_criteria[:, SHAPES], axis=1)
         return failing
 
     @cached_property

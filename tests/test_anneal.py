@@ -1,25 +1,15 @@
-"""Anneal: what gets better, what must not change, and that changes can be taken back."""
+"""Anneal: what gets better, and what must not change."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from meshops._core import AnnealingPrices, AnnealingSite, Cooling, Ground, WantedSizes, anneal
 from meshops.criteria import PAPER
 from meshops.edit import apply
 from meshops.examples import SIZE, plate
 from meshops.fitness import Fitness
-from meshops.kernels.annealing import anneal
-from meshops.kernels.living import fan, living, settle, take_back
-from meshops.kernels.retopology import (
-    collapse_diagonal_of,
-    collapse_side,
-    is_whole,
-    open_node,
-    open_trias,
-    split_row,
-    swap_side,
-)
 from meshops.operations.anneal import HEATS, Anneal, _doubles_an_edge
 from meshops.patch import Patch, extract
 from meshops.quality_sums import FAILED, IRREGULAR, TRIAS
@@ -30,8 +20,8 @@ from tests.meshes import FLAT_KINDS, cylinder, meshes, sheet
 ANNEAL = Anneal()
 EVERYWHERE = 40
 MILD, LONG = 2, 3
-NO_GROUND = (np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 4)), 0.0, 0.0)
-PRICES = (10.0, 6.0, 0.3, 10.0, 6.0)
+NO_GROUND = Ground(np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 4)), 0.0, 0.0)
+PRICES = AnnealingPrices(shape=10.0, tria=6.0, irregular=0.3, invalid=10.0, size=6.0)
 
 
 def workpiece(mesh, size=1.0, element_size=None):
@@ -50,81 +40,6 @@ def whole_patch(work) -> Patch:
 
 def centre_of(mesh, row):
     return mesh.points[mesh.elements[row]].mean(axis=0)[:2]
-
-
-def live_patch(work):
-    patch = whole_patch(work)
-    fits, live = living(patch.points, patch.elements, 60)
-    assert fits
-    return patch, live
-
-
-CHANGES = (
-    lambda live, e, i, j, fixed: swap_side(live, e, i % (3 + (live[1][e, 3] >= 0)), j),
-    lambda live, e, i, j, fixed: split_row(live, e, j),
-    lambda live, e, i, j, fixed: collapse_diagonal_of(live, e, i, fixed),
-    lambda live, e, i, j, fixed: collapse_side(live, e, i % 3, fixed),
-    lambda live, e, i, j, fixed: open_node(live, live[1][e, i % 3], i, j, fixed),
-    lambda live, e, i, j, fixed: open_trias(live, live[1][e, i % 3], i, j, fixed),
-)
-changes = st.lists(
-    st.tuples(
-        st.sampled_from(range(len(CHANGES))),
-        st.integers(0, 10**6),
-        st.integers(0, 1000),
-        st.integers(0, 1000),
-    ),
-    min_size=1,
-    max_size=30,
-)
-
-
-def sides_of(elements):
-    """Every directed side of elements, -1 rows left out."""
-    sides = []
-    for row in elements[elements[:, 0] >= 0].tolist():
-        nodes = [node for node in row if node >= 0]
-        sides += list(zip(nodes, [*nodes[1:], nodes[0]], strict=True))
-    return sides
-
-
-@settings(max_examples=40, deadline=None)
-@given(mesh=meshes(("plain",)), asked=changes)
-def test_a_change_is_whole_or_taken_back(mesh, asked):
-    work = workpiece(mesh)
-    patch, live = live_patch(work)
-    outside = np.zeros(len(live[0]), np.int32)
-    outside[: patch.border_nodes] = -1
-    border = {side for side in sides_of(live[1]) if side[::-1] not in set(sides_of(live[1]))}
-    for kind, which, i, j in asked:
-        rows = np.nonzero(live[1][:, 0] >= 0)[0]
-        before = live[1].copy(), live[0].copy(), live[3].copy()
-        done = CHANGES[kind](live, int(rows[which % len(rows)]), i, j, patch.border_nodes)
-        if done and is_whole(live, outside, patch.border_nodes):
-            settle(live)
-        else:
-            take_back(live)
-            for now, then in zip((live[1], live[0], live[3]), before, strict=True):
-                np.testing.assert_array_equal(now, then)
-        sides = sides_of(live[1])
-        assert len(sides) == len(set(sides))
-        assert {side for side in sides if side[::-1] not in set(sides)} == border
-        used = live[1][live[1] >= 0]
-        np.testing.assert_array_equal(live[3], np.bincount(used, minlength=len(live[3])))
-
-
-def test_a_fan_goes_around_its_node_in_order():
-    work = workpiece(sheet(4, 4))
-    patch, live = live_patch(work)
-    rows = np.empty(10, np.int32)
-    inner = patch.border_nodes
-    count, closed = fan(live, inner, rows)
-    assert (count, closed) == (4, True)
-    centres = patch.points[patch.elements[rows[:4]]].mean(axis=1) - patch.points[inner]
-    angles = np.unwrap(np.arctan2(centres[:, 1], centres[:, 0]))
-    assert (np.diff(angles) > 0.0).all()
-    corner = int(np.argmin(patch.points[:, :2].sum(axis=1)))
-    assert fan(live, corner, rows) == (1, False)
 
 
 def test_the_plate_gets_better_in_all_that_counts():
@@ -180,24 +95,20 @@ def test_energy_only_counts_what_it_says():
     """Of a sheet of unit squares nothing is lacking; a node that others hang on may differ."""
     work = workpiece(sheet(5, 5))
     patch = whole_patch(work)
-    wanted = (np.ones((1, 1, 1)), np.zeros(3), 1.0)
+    wanted = WantedSizes(np.ones((1, 1, 1)), np.zeros(3), 1.0)
     outside = np.zeros(len(patch.points), np.int32)
+    cooling = Cooling(hot=0.1, cold=0.01, trials=0)
 
     def energy(outside):
-        return anneal(
-            patch.points,
-            patch.elements,
-            outside,
-            patch.border_nodes,
-            np.array([0.0, 0.0, 1.0]),
-            NO_GROUND,
-            wanted,
-            PRICES,
-            (0.1, 0.01),
-            0,
-            1,
-            work.setting.scoring.arrays,
-        )[3]
+        site = AnnealingSite(
+            outside=outside,
+            fixed=patch.border_nodes,
+            plane=np.array([0.0, 0.0, 1.0]),
+            ground=NO_GROUND,
+            wanted=wanted,
+        )
+        scoring = work.setting.scoring.core
+        return anneal(patch.points, patch.elements, site, PRICES, scoring, cooling, 1)[2]
 
     outside[: patch.border_nodes] = -1
     assert energy(outside) == pytest.approx(0.0)

@@ -17,7 +17,7 @@ from meshops.assessment import Assessment
 from meshops.criteria import PAPER, STANDARD
 from meshops.edit import Edit, apply
 from meshops.fitness import Fitness
-from meshops.guard import count_changed, guarded
+from meshops.guard import count_changed, guarded, guarded_edits
 from meshops.harm import compare, local_sizes, median_size
 from meshops.mesh import NEW, ShellMesh
 from meshops.operations import OPERATIONS
@@ -245,6 +245,24 @@ def test_new_nodes_in_the_place_of_old_ones_are_these():
     after = apply(mesh, edit)
     assert (after.element_ids == NEW).sum() == len(rows)
     assert guarded(Workpiece(mesh, setting_of(mesh)), after) is mesh
+
+
+@pytest.mark.parametrize("remembers", [True, False])
+def test_many_small_changes_do_no_harm_together(remembers):
+    """A node creeps off its cylinder, each time by less than what is seen."""
+    mesh = cylinder(sheet(9, 9, seed=2, jitter=0.3))
+    first = before = Workpiece(mesh, setting_of(mesh))
+    node = int(np.argmin(np.abs(mesh.points - mesh.points.mean(axis=0)).sum(axis=1)))
+    node = np.array([node], np.int32)
+    for _ in range(20):
+        away = before.mesh.points[node] * (1.001, 1.0, 1.001)
+        edit = Edit(moved=node, moved_to=away)
+        origin = first if remembers else before
+        after = guarded_edits(before, [edit], "faults", origin=origin, neutral=True)
+        before = Workpiece(after, before.setting)
+    kept = guarded(first, before.mesh, neutral=True)
+    assert (kept.digest == before.mesh.digest) == remembers
+    assert (kept.digest != mesh.digest) == remembers
 
 
 def test_an_irregular_node_less_is_a_gain_where_rows_are_the_aim():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshops.kernels.uniting import unite_trias
+from meshops._core import unite_trias
 from meshops.methods import METHODS
 from meshops.patch import components, extract
 from meshops.remesher import RemeshError

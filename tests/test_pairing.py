@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
-from meshops.kernels.pairing import (
-    match_completely,
-    match_greedily,
+from meshops._core import (
+    greedy_matching,
+    maximum_matching,
     merge_pairs,
     pair_shapes,
     split_quads,
@@ -74,9 +74,9 @@ def random_trias(seed):
 @given(seeds, st.sampled_from([-2.0, 0.5, 2.0]))
 def test_a_matching_of_a_graph_is_as_large_as_can_be(seed, least):
     neighbours, shapes = random_graph(seed)
-    start = match_greedily(neighbours, shapes, least)
+    start = greedy_matching(neighbours, shapes, least)
     assert_matching(neighbours, start)
-    mate = match_completely(neighbours, shapes, start.copy())
+    mate = maximum_matching(neighbours, shapes, start)
     assert_matching(neighbours, mate)
     assert np.count_nonzero(mate >= 0) == 2 * greatest(neighbours)
     # whoever had a mate still has one
@@ -89,7 +89,7 @@ def test_a_matching_of_trias_is_as_large_as_can_be(seed):
     points, trias = random_trias(seed)
     neighbours = tria_neighbours(trias, len(points))
     shapes = pair_shapes(points, trias, neighbours)
-    mate = match_completely(neighbours, shapes, match_greedily(neighbours, shapes, 0.5))
+    mate = maximum_matching(neighbours, shapes, greedy_matching(neighbours, shapes, 0.5))
     assert_matching(neighbours, mate)
     assert np.count_nonzero(mate >= 0) == 2 * greatest(neighbours)
 
@@ -101,7 +101,7 @@ def test_an_odd_cycle_is_matched_through_its_blossom():
     for a, b in ring:
         neighbours[a, list(neighbours[a]).index(-1)] = b
         neighbours[b, list(neighbours[b]).index(-1)] = a
-    mate = match_completely(neighbours, np.zeros((8, 3)), np.full(8, -1, np.int32))
+    mate = maximum_matching(neighbours, np.zeros((8, 3)), np.full(8, -1, np.int32))
     assert_matching(neighbours, mate)
     assert (mate >= 0).all()
 

@@ -123,8 +123,10 @@ def test_what_pymeshlab_was_called_with_before_does_not_matter():
 def test_patches_at_once_are_patches_one_by_one(mesh, seed):
     """By what they add to the tally, as their numbers differ."""
     piece = workpiece(mesh)
-    ranges = np.random.default_rng(seed).integers(1, len(mesh.elements) + 1, (3, 2))
-    edit = PAPER.apply(piece, ranges.astype(np.int32))
+    ranges = (
+        np.random.default_rng(seed).integers(1, len(mesh.elements) + 1, (3, 2)).astype(np.int32)
+    )
+    edit = PAPER.apply(piece, ranges)
     alone = [replace_patch(piece, rows) for rows in select(piece, ranges)]
     total = joint_change(piece, alone) if alone else 0 * piece.tally
     np.testing.assert_allclose(piece.tally_change(edit), total, atol=1e-9)

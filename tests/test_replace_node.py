@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.merging import LEAST_CORNER
 from meshops.kernels.soundness import FACING
 from meshops.mesh import ShellMesh
 from meshops.operations import ReplaceNodePairs
@@ -32,6 +31,9 @@ from tests.meshes import (
     users,
     with_,
 )
+
+LEAST_CORNER = 0.02
+"""Of a merged element, as the core has it."""
 
 EVERYTHING = ReplaceNodePairs(pairs=3, pool=10_000)
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from meshops.formats.polygon_text import split_trias
-from meshops.mesh import NO_NODE, Floats, Ints, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.quality import median_edge
 
 ROUNDING = 1e-6
@@ -58,6 +58,25 @@ def matched(model: ShellMesh, again: ShellMesh, *, is_split: bool) -> ShellMesh 
     is_corner = elements != NO_NODE
     node_ids[elements[is_corner]] = again.node_ids[nodes[is_corner]]
     return replace(model, node_ids=node_ids, element_ids=element_ids)
+
+
+def renumbered(again: ShellMesh, numbered: ShellMesh, model: ShellMesh) -> ShellMesh:
+    """Give a file that was read again the ids of its model, where its own are places in the file.
+
+    `numbered` is what `matched` returned for both.
+    """
+    return replace(
+        again,
+        node_ids=_renamed(again.node_ids, numbered.node_ids, model.node_ids),
+        element_ids=_renamed(again.element_ids, numbered.element_ids, model.element_ids),
+    )
+
+
+def _renamed(ids: Ids, known: Ids, names: Ids) -> Ids:
+    """Name of each id by the known ones; NEW for one that is not known."""
+    order = np.argsort(known, kind="stable")
+    rows = order[np.minimum(np.searchsorted(known[order], ids), len(known) - 1)]
+    return np.where(known[rows] == ids, names[rows], NEW)
 
 
 def rounding(model: ShellMesh) -> float:

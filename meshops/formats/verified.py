@@ -11,7 +11,7 @@ import numpy as np
 from meshops.errors import HarmError, InputError
 from meshops.formats import Deck, read_deck
 from meshops.formats.difference import deck_corners
-from meshops.formats.matching import matched, rounding
+from meshops.formats.matching import matched, renumbered, rounding
 from meshops.formats.output import refuse_to_overwrite
 from meshops.mesh import NO_NODE, Ids, ShellMesh
 
@@ -102,16 +102,18 @@ def _checked(
     except InputError as error:
         return mesh, (f"it cannot be read ({str(error).rstrip('.')})",)
     model = None if is_other else deck.numbered(mesh)
+    after = again.mesh
     if model is not None:
         found = differences(model, again.mesh) or _other_regions(deck, model, again)
     else:
         model = matched(mesh, again.mesh, is_split=suffix == ".stl")
         if model is None:
             return mesh, ("its elements are not those of the model",)
-        found = () if is_other or suffix == ".stl" else _mixed_regions(model, again.mesh)
+        found = () if is_other or suffix == ".stl" else _mixed_regions(model, after)
+        after = renumbered(after, model, mesh)
     if suffix == ".stl":  # which knows no quads
         return model, found
-    return model, found or verify(deck.mesh, again.mesh)
+    return model, found or verify(deck.mesh, after)
 
 
 def differences(model: ShellMesh, again: ShellMesh) -> tuple[str, ...]:

@@ -50,15 +50,15 @@ class Appraisal:
         The highest by shape.
     fails : (K,) bool
         Whether a criterion of shape fails.
-    regularity : (K,) float64
-        1 for an element with equal angles, less for others; 0 or less for one that is concave.
+    jacobian : (K,) float64
+        Scaled, by the angles: 1 for a regular element, 0 or less for one that is flat or concave.
     """
 
     shape: Floats
     size: Floats
     penalty: Floats
     fails: Bools
-    regularity: Floats
+    jacobian: Floats
 
 
 def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
@@ -86,7 +86,7 @@ def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
         size=_by_limit(severity, SIZE_LIMITS),
         penalty=np.nan_to_num(penalties[:, shapes]).max(axis=1, initial=0.0),
         fails=fails[:, shapes].any(axis=1),
-        regularity=_regularity(values, elements[:, 3] == NO_NODE),
+        jacobian=_scaled_jacobian(values, elements[:, 3] == NO_NODE),
     )
 
 
@@ -103,10 +103,10 @@ def _by_limit(severity: Floats, limits: tuple[tuple[int, ...], ...]) -> Floats:
     return np.stack(columns, axis=1)
 
 
-def _regularity(values: Floats, is_tria: Bools) -> Floats:
-    """(K,) how near the angles of elements are to each other."""
-    regular = np.where(is_tria, 60.0, 90.0)
+def _scaled_jacobian(values: Floats, is_tria: Bools) -> Floats:
+    """(K,) least sine of the angles of elements, over that of a regular one."""
     least = np.where(is_tria, values[:, MIN_ANGLE_TRIA], values[:, MIN_ANGLE_QUAD])
     most = np.where(is_tria, values[:, MAX_ANGLE_TRIA], values[:, MAX_ANGLE_QUAD])
-    evenness: Floats = np.minimum(least / regular, (180.0 - most) / (180.0 - regular))
-    return evenness
+    sines = np.minimum(np.sin(np.radians(least)), np.sin(np.radians(most)))
+    scaled: Floats = np.where(is_tria, np.sin(np.radians(least)) / np.sin(np.pi / 3.0), sines)
+    return scaled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from meshops.edit import Edit, apply
 from meshops.guard.correspondence import Change, correspondence, in_order_of
@@ -18,7 +19,7 @@ from meshops.guard.rules import (
     spoils,
     tria_pairs,
 )
-from meshops.guard.surface import leaves_surface
+from meshops.guard.surface import leaves_surface, shifts_border, turns_of
 from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
 from meshops.patch import join, without_doubles
 from meshops.quality import region_areas
@@ -59,21 +60,30 @@ def guarded(
 
 
 def guarded_edits(
-    before: Workpiece, edits: list[Edit], aim: Aim, *, neutral: bool = False
+    before: Workpiece,
+    edits: list[Edit],
+    aim: Aim,
+    *,
+    origin: Workpiece,
+    neutral: bool = False,
 ) -> ShellMesh:
     """Apply edits of different places, of which each part is guarded; see `guarded`.
 
     Here ids may be those of a mesh that was changed before: new ones are all alike. Edits that put
-    an element on the nodes of another one are left out.
+    an element on the nodes of another one are left out, and so are parts by which the mesh would do
+    harm to the `origin`, from which all changes began: many small harms may be one that is not.
     """
     mesh = before.mesh
     by_row = ShellMesh.build(mesh.points, mesh.elements, region=mesh.region)
     after = apply(by_row, join(mesh, without_doubles(mesh, edits)))
-    edit = _kept_edit(before, correspondence(by_row, after), aim, neutral=neutral)
+    change = correspondence(by_row, after)
+    edit = _kept_edit(before, change, aim, neutral=neutral, origin=origin)
     return mesh if edit.is_empty else apply(mesh, edit)
 
 
-def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) -> Edit:
+def _kept_edit(
+    before: Workpiece, change: Change, aim: Aim, *, neutral: bool, origin: Workpiece | None = None
+) -> Edit:
     """Make the edit of those parts of a change that are kept."""
     mesh = before.mesh
     is_least = aim == "faults" and not neutral
@@ -86,14 +96,53 @@ def _kept_edit(before: Workpiece, change: Change, aim: Aim, *, neutral: bool) ->
     part_was, part_now, parts = parts_of(mesh, change, was, now)
     sides, pairs = _sides(before, change, part_was, part_now, parts)
     kept = ~harms(*sides, pairs, before.setting)
-    kept &= ~leaves_surface(*sides)
+    kept &= ~_leaves_surface(before, change, sides, part_was)
     kept &= ~_fewer_rows(before, change, part_now, parts)
     if not neutral:
         kept &= gains(*sides, aim) & ~spoils(*sides)
     if is_least:
         kept &= ~is_large(*sides)
     kept &= ~_beyond_area(before, change, sides, part_now, kept)
-    return _edit(mesh, change, part_was, part_now, kept)
+    edit = _edit(mesh, change, part_was, part_now, kept)
+    while origin is not None and origin.mesh is not mesh and not edit.is_empty:
+        harmed = _harmed_places(origin, apply(mesh, edit), aim)
+        touching = _near(harmed, change, part_now, kept)
+        if not touching.any():
+            break
+        kept &= ~touching
+        edit = _edit(mesh, change, part_was, part_now, kept)
+    return edit
+
+
+def _harmed_places(origin: Workpiece, after: ShellMesh, aim: Aim) -> Floats:
+    """(K, 3) nodes of all elements that came where a mesh does harm to the one it descends from.
+
+    They are where they are in the mesh, even where they would go home in the end.
+    """
+    now = change = correspondence(origin.mesh, after)
+    if aim != "flow":
+        change = restored(origin.mesh, change, origin.setting)
+    change = in_order_of(change, origin.mesh)
+    part_was, part_now, parts = parts_of(origin.mesh, change, *_changed(origin.mesh, change))
+    sides, pairs = _sides(origin, change, part_was, part_now, parts)
+    harmed = harms(*sides, pairs, origin.setting)
+    harmed |= _leaves_surface(origin, change, sides, part_was)
+    harmed |= _fewer_rows(origin, change, part_now, parts)
+    elements = change.elements[np.append(harmed, False)[part_now]]
+    places: Floats = now.points[np.unique(elements[elements != NO_NODE])]
+    return places
+
+
+def _near(places: Floats, change: Change, part_now: Ids, kept: Bools) -> Bools:
+    """(P,) bool: which of the parts that are kept have a node in one of some places (K, 3)."""
+    near = np.zeros(len(kept), bool)
+    rows = np.nonzero(np.append(kept, False)[part_now])[0]
+    if not len(places) or not len(rows):
+        return near
+    row, corner = np.nonzero(change.elements[rows] != NO_NODE)
+    nodes = change.points[change.elements[rows[row], corner]]
+    near[part_now[rows[row[cKDTree(places).query(nodes)[0] == 0.0]]]] = True
+    return near
 
 
 def _changed(mesh: ShellMesh, change: Change) -> tuple[Bools, Bools]:
@@ -156,6 +205,15 @@ def _is_real(before: Workpiece) -> Bools:
     start, end = before.topology.edges.T
     real: Bools = (before.outside[start] < 0) & (before.outside[end] < 0)
     return real
+
+
+def _leaves_surface(
+    before: Workpiece, change: Change, sides: tuple[Side, Side], part_was: Ids
+) -> Bools:
+    """(P,) bool: parts of a change whose surface is another one."""
+    parts = sides[0].parts
+    shifted = shifts_border(before, change, part_was, parts)
+    return leaves_surface(*sides, turns_of(before, part_was, parts), shifted)
 
 
 def _fewer_rows(before: Workpiece, change: Change, part_now: Ids, parts: int) -> Bools:

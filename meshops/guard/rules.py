@@ -19,10 +19,9 @@ from meshops.quality import element_areas
 from meshops.subdomain import Aim
 from meshops.workpiece import Setting
 
-NEAREST, ROOM = 24, 1.02
-"""Sides near a new edge, each edge of two elements twice, and how much longer than any it may be
-where edges are too long already."""
-
+NEAREST = 12
+"""Sides near a new edge, each edge of two elements twice, than which it may not be longer or
+shorter where it is out of gradation."""
 
 MOST_AREA = 0.02
 """Of the area of a part of a change: how much more or less it may be. A region keeps its area much
@@ -105,7 +104,7 @@ def gains(before: Side, after: Side, aim: Aim) -> Bools:
         before.count(before.is_tria) - after.count(after.is_tria),
         (before.irregular - after.irregular) * (aim != "faults"),
         _count_by_size(before) - _count_by_size(after),
-        (_mean_regularity(after) - _mean_regularity(before)) * (aim != "faults"),
+        (_mean_jacobian(after) - _mean_jacobian(before)) * (aim != "faults"),
     ):
         gained |= undecided & (less > SLACK)
         undecided &= np.abs(less) <= SLACK
@@ -142,13 +141,13 @@ def _worse_by_size(before: Side, after: Side) -> Bools:
 
 def _folded(side: Side) -> Ids:
     """(P,) concave and folded elements."""
-    return side.count(side.appraisal.regularity <= 0.0)
+    return side.count(side.appraisal.jacobian <= SLACK)
 
 
-def _mean_regularity(side: Side) -> Floats:
+def _mean_jacobian(side: Side) -> Floats:
     """(P,) mean quality of shape."""
     elements = np.bincount(side.part, minlength=side.parts)
-    mean: Floats = side.total(side.appraisal.regularity) / np.maximum(elements, 1)
+    mean: Floats = side.total(side.appraisal.jacobian) / np.maximum(elements, 1)
     return mean
 
 
@@ -166,7 +165,7 @@ def _more_trias(before: Side, after: Side, *, on_edge: bool) -> Bools:
         side.on_edge if on_edge else np.ones(len(side.part), bool) for side in (before, after)
     ]
     dire = [
-        side.count((side.appraisal.regularity <= 0.0) & some)
+        side.count((side.appraisal.jacobian <= SLACK) & some)
         for side, some in zip((before, after), chosen, strict=True)
     ]
     more = after.count(after.is_tria & chosen[1]) - before.count(before.is_tria & chosen[0])
@@ -225,9 +224,9 @@ def _is_less_shapely(before: Side, after: Side) -> Bools:
     least = []
     for side in (before, after):
         least.append(np.full(side.parts, np.inf))
-        np.minimum.at(least[-1], side.part, side.appraisal.regularity)
+        np.minimum.at(least[-1], side.part, side.appraisal.jacobian)
     lower: Bools = least[1] < least[0] - SLACK
-    return lower | (_mean_regularity(after) < _mean_regularity(before) - SLACK)
+    return lower | (_mean_jacobian(after) < _mean_jacobian(before) - SLACK)
 
 
 def _leaves_gradation(before: Side, after: Side, setting: Setting) -> Bools:
@@ -246,8 +245,8 @@ def _leaves_gradation(before: Side, after: Side, setting: Setting) -> Bools:
         return leaves
     known, old, _ = _edges(before)
     near = cKDTree(known).query(middles[off], np.arange(1, min(NEAREST, len(known)) + 1))[1]
-    too_long = (ratio[off] > longest) & (lengths[off] > ROOM * old[near].max(axis=1))
-    too_short = (ratio[off] < shortest) & (lengths[off] * ROOM < old[near].min(axis=1))
+    too_long = (ratio[off] > longest) & (lengths[off] > old[near].max(axis=1) * (1.0 + SLACK))
+    too_short = (ratio[off] < shortest) & (lengths[off] < old[near].min(axis=1) * (1.0 - SLACK))
     leaves[part[off[too_long | too_short]]] = True
     return leaves
 
@@ -268,16 +267,6 @@ def area_change(before: Side, after: Side) -> Floats:
 
 def _areas(side: Side) -> Floats:
     return element_areas(side.points, side.elements)
-
-
-def mean_edge(points: Floats, elements: Ints) -> float:
-    """Mean length of the sides of elements (K, 4)."""
-    following = np.roll(elements, -1, axis=1)
-    tria = elements[:, 3] == NO_NODE
-    following[tria, 2] = elements[tria, 0]
-    row, corner = np.nonzero(elements != NO_NODE)
-    sides = points[following[row, corner]] - points[elements[row, corner]]
-    return float(np.linalg.norm(sides, axis=1).mean())
 
 
 def tria_pairs(elements: Ints, nodes: int, part: Ids, parts: int) -> Ids:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from meshops.kernels.refining import fill_area
+from meshops._core import fill_by_bubbles
 from meshops.mesh import Floats, Ints
 from meshops.methods.flatten import FlatPatch
 from meshops.remesher import RemeshError
-
-ROUNDS = 3
-SWEEPS = 5
 
 
 def remesh_by_bubbles(
@@ -20,9 +17,8 @@ def remesh_by_bubbles(
     from its mean plane.
     """
     patch = FlatPatch.of(points, trias, border)
-    whole, flat, anew = fill_area(
-        patch.flat, trias, border, patch.border_nodes, size, patch.room(size), ROUNDS, SWEEPS
-    )
-    if not whole:
+    filled = fill_by_bubbles(patch.flat, trias, border, size, patch.room(size))
+    if filled is None:
         raise RemeshError("the patch could not be triangulated on its border")
+    flat, anew = filled
     return patch.lift(flat), anew

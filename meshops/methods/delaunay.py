@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from meshops.kernels.refining import fill_area
+from meshops._core import fill_by_refinement
 from meshops.mesh import Floats, Ints
 from meshops.methods.flatten import FlatPatch
 from meshops.remesher import RemeshError
-
-SWEEPS = 3
 
 
 def remesh_by_delaunay(
@@ -19,9 +17,8 @@ def remesh_by_delaunay(
     from its mean plane.
     """
     patch = FlatPatch.of(points, trias, border)
-    whole, flat, anew = fill_area(
-        patch.flat, trias, border, patch.border_nodes, size, patch.room(size), 0, SWEEPS
-    )
-    if not whole:
+    filled = fill_by_refinement(patch.flat, trias, border, size, patch.room(size))
+    if filled is None:
         raise RemeshError("the patch could not be triangulated on its border")
+    flat, anew = filled
     return patch.lift(flat), anew

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.kernels.lifting import lift, normals_of
-from meshops.kernels.vectors import cross
+from meshops._core import area_normals, lift
 from meshops.mesh import Floats, Ints
 from meshops.remesher import RemeshError
 
@@ -57,7 +56,7 @@ class FlatPatch:
         """
         if not len(border):
             raise RemeshError("a patch without a border has nowhere to begin")
-        vectors = normals_of(points, trias)
+        vectors = area_normals(points, trias)
         total = vectors.sum(axis=0)
         size = np.linalg.norm(total)
         if not np.isfinite(size) or size <= 0.0:
@@ -68,9 +67,9 @@ class FlatPatch:
             raise RemeshError(f"the patch turns by more than {STEEPEST:.0f} degrees")
         axis = [0.0, 0.0, 0.0]
         axis[np.argmin(np.abs(normal))] = 1.0
-        first = np.array(cross((axis[0], axis[1], axis[2]), tuple(normal)))
+        first = np.cross(axis, normal)
         first /= np.linalg.norm(first)
-        axes = np.array([first, cross(tuple(normal), tuple(first))]).T.copy()
+        axes = np.array([first, np.cross(normal, first)]).T.copy()
         return cls(points, trias, border, axes, (points - points[0]) @ axes)
 
     @property
@@ -101,5 +100,4 @@ class FlatPatch:
 
     def lift_inner(self, flat: Floats) -> Floats:
         """(n', 3) places on the patch of points (n', 2) in its plane."""
-        lifted: Floats = lift(self.flat, self.trias, self.points, flat)
-        return lifted
+        return lift(self.flat, self.trias, self.points, flat)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from meshops.kernels.packing import pack_squares
+from meshops._core import pack_parallelograms
 from meshops.mesh import Floats, Ints
 from meshops.methods.flatten import FlatPatch
 from meshops.remesher import RemeshError
@@ -20,9 +20,8 @@ def remesh_by_front(points: Floats, trias: Ints, border: Ints, size: float) -> t
     """
     patch = FlatPatch.of(points, trias, border)
     edge = QUAD_OF_TRIA * size
-    whole, flat, anew = pack_squares(
-        patch.flat, trias, border, patch.border_nodes, edge, patch.room(edge)
-    )
-    if not whole:
+    packed = pack_parallelograms(patch.flat, trias, border, edge, patch.room(edge))
+    if packed is None:
         raise RemeshError("the patch could not be triangulated on its border")
+    flat, anew = packed
     return patch.lift(flat), anew

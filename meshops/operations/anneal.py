@@ -7,10 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from meshops._core import all_facing, has_doubles, valid_elements
+from meshops._core import (
+    AnnealingPrices,
+    AnnealingSite,
+    Cooling,
+    Ground,
+    WantedSizes,
+    all_facing,
+    anneal,
+    has_doubles,
+    valid_elements,
+)
 from meshops.edit import Edit
 from meshops.fitness import IRREGULARITY
-from meshops.kernels.annealing import anneal
 from meshops.kernels.node_scores import EVEN
 from meshops.kernels.optimising import optimise
 from meshops.mesh import NO_NODE, Floats, Ids, Ints
@@ -32,9 +41,7 @@ COLD = 0.02
 
 SEEDS = 1000
 
-PRICES = (10.0, 6.0, IRREGULARITY, 10.0, 6.0)
-"""Of a fault of shape, a tria, an irregular node, an element that is not sound and a fault of size,
-over an element whose Q.I. is higher by 1."""
+PRICES = AnnealingPrices(shape=10.0, tria=6.0, irregular=IRREGULARITY, invalid=10.0, size=6.0)
 
 LEAST_TRIALS, MOST_TRIALS = 2_000, 400_000
 
@@ -158,28 +165,26 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
     if not wanting or fixed == len(patch.points):
         return Edit()
     hot, effort = HEATS[heat]
-    surface, scoring = workpiece.surface, workpiece.setting.scoring.arrays
-    plane = np.zeros(3) if surface.plane is None else surface.plane
+    surface, scoring = workpiece.surface, workpiece.setting.scoring
     edge = PatchSurface.of(patch.points, patch.elements).mean_edge(patch)
-    ground = (surface.points, *surface.near(patch.points, edge), SURFACE_TOLERANCE * edge)
-    done, points, elements, _, _ = anneal(
-        patch.points,
-        patch.elements,
-        outside,
-        fixed,
-        plane,
-        (*ground, LEAST_CORNER),
-        _wanted(workpiece, patch, edge),
-        PRICES,
-        (hot, COLD),
-        min(max(wanting * effort, LEAST_TRIALS), MOST_TRIALS),
-        seed,
-        scoring,
+    near, tolerance = surface.near(patch.points, edge), SURFACE_TOLERANCE * edge
+    site = AnnealingSite(
+        outside=outside,
+        fixed=fixed,
+        plane=surface.plane,
+        ground=Ground(surface.points, *near, tolerance, LEAST_CORNER),
+        wanted=_wanted(workpiece, patch, edge),
     )
-    if not done:
+    trials = min(max(wanting * effort, LEAST_TRIALS), MOST_TRIALS)
+    cooling = Cooling(hot=hot, cold=COLD, trials=trials)
+    found = anneal(patch.points, patch.elements, site, PRICES, scoring.core, cooling, seed)
+    if found is None:
         return Edit()
+    points, elements = found[:2]
     inner = np.arange(fixed, len(points), dtype=np.int32)
-    optimise(points, elements, inner, EVEN, plane, (*ground, LEAST_CORNER), scoring)
+    plane = np.zeros(3) if surface.plane is None else surface.plane
+    ground = (surface.points, *near, tolerance, LEAST_CORNER)
+    optimise(points, elements, inner, EVEN, plane, ground, scoring.arrays)
     if not _is_valid(workpiece, patch, points, elements, edge):
         return Edit()
     return stitch(workpiece.mesh, patch, points[fixed:], elements)
@@ -194,12 +199,12 @@ def _outside(workpiece: Workpiece, patch: Patch) -> Ints:
     return outside
 
 
-def _wanted(workpiece: Workpiece, patch: Patch, edge: float) -> tuple[Floats, Floats, float]:
+def _wanted(workpiece: Workpiece, patch: Patch, edge: float) -> WantedSizes:
     """Edge lengths that are wanted, by the cubes of a grid: the run's, or those that are there."""
     low, high = patch.points.min(axis=0), patch.points.max(axis=0)
     size = workpiece.setting.element_size
     if size is not None:
-        return np.full((1, 1, 1), size), low, 1.0
+        return WantedSizes(np.full((1, 1, 1), size), low, 1.0)
     cell = max(edge, float(np.ptp(patch.points, axis=0).max()) * 1e-3)
     shape = np.ceil((high - low) / cell).astype(np.int64) + 1
     while np.prod(shape) > CELLS:
@@ -207,8 +212,7 @@ def _wanted(workpiece: Workpiece, patch: Patch, edge: float) -> tuple[Floats, Fl
         shape = np.ceil((high - low) / cell).astype(np.int64) + 1
     places = low + cell * (np.indices(shape).reshape(3, -1).T + 0.5)
     near = cKDTree(patch.points).query(places)[1]
-    sizes: Floats = _sizes_at_nodes(patch)[near].reshape(shape)
-    return sizes, low, cell
+    return WantedSizes(_sizes_at_nodes(patch)[near].reshape(shape), low, cell)
 
 
 def _sizes_at_nodes(patch: Patch) -> Floats:

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.pillows import FILLINGS, take_out
+from meshops import _core
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import alternatives, candidates_of
 from meshops.operations.relax import relax
@@ -28,7 +28,7 @@ class Coarsen(SiteOperation):
     pool: int = 120
     name: str = "coarsen"
     code: int = 14
-    variants: ClassVar[int] = FILLINGS
+    variants: ClassVar[int] = _core.FILLINGS
 
     def candidates(self, workpiece: Workpiece) -> Candidates:
         """List free nodes, those of the worst elements first."""
@@ -40,5 +40,5 @@ class Coarsen(SiteOperation):
         nearest[np.diff(start) > 0] = np.minimum.reduceat(nearness(workpiece)[around], used)
         nodes = nodes[np.argsort(nearest[nodes], kind="stable")[: self.pool]]
         rows, ways = alternatives(len(nodes), self.variants)
-        elements = take_out(nodes[rows], ways, mesh.elements, start, around)
+        elements = _core.remove_nodes(nodes[rows], ways, mesh.elements, workpiece.around)
         return relax(workpiece, candidates_of(elements), sweeps=SWEEPS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshops.kernels.chords import collapse_strips
+from meshops import _core
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import candidates_of
 from meshops.operations.relax import relax
@@ -44,12 +44,7 @@ class CollapseChord(SiteOperation):
 def collapsed(workpiece: Workpiece, strips: Strips) -> Candidates:
     """Merge the nodes of all rungs of each strip and relax what is around it."""
     mesh = workpiece.mesh
-    elements, moves = collapse_strips(
-        strips.start,
-        strips.rungs,
-        mesh.points,
-        mesh.elements,
-        *workpiece.around,
-        workpiece.topology.free_nodes,
+    elements, moves = _core.collapse_chords(
+        strips, mesh.points, mesh.elements, workpiece.around, workpiece.topology.free_nodes
     )
     return relax(workpiece, candidates_of(elements, moves=moves), sweeps=SWEEPS)

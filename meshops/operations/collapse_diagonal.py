@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.local_edits import collapse_diagonals
+from meshops._core import collapse_diagonals
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first
 from meshops.operations.relax import relax
@@ -35,8 +35,5 @@ class CollapseDiagonal(SiteOperation):
         collapsible = ~mesh.is_tria & topology.editable & free[mesh.elements].any(axis=1)
         quads = np.nonzero(collapsible)[0].astype(np.int32)
         quads = quads[nearest_first(workpiece, quads[:, None])[: self.pool]]
-        around = workpiece.around
-        removed, added, moved, moved_to = collapse_diagonals(
-            quads, mesh.points, mesh.elements, *around, free
-        )
-        return relax(workpiece, Candidates.padded(removed, added, moved=moved, moved_to=moved_to))
+        collapsed = collapse_diagonals(quads, mesh.points, mesh.elements, workpiece.around, free)
+        return relax(workpiece, Candidates(*collapsed))

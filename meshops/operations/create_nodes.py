@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.outlines import outlines
+from meshops import _core
 from meshops.mesh import Floats, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first
@@ -37,13 +37,14 @@ class CreateNodes(SiteOperation):
         edges[edges] = topology.editable[topology.edge_elements[edges]].all(axis=1)
         two = topology.edge_elements[edges]
         one = np.nonzero(topology.editable)[0].astype(np.int32)
-        groups = np.concatenate([np.column_stack([one, np.full_like(one, -1)]), two])
+        groups = np.full((len(one) + len(two), 3), -1, np.int32)
+        groups[: len(one), 0], groups[len(one) :, :2] = one, two
         points = np.concatenate(
             [_centres(workpiece, one), mesh.points[topology.edges[edges]].mean(axis=1)]
         )
         nearest = nearest_first(workpiece, groups)[: self.pool]
         groups, points = groups[nearest], points[nearest]
-        made = fill(*outlines(mesh.elements, groups), stars, len(mesh.points))
+        made = fill(*_core.cavity_polygons(mesh.elements, groups), stars, len(mesh.points))
         added = np.full((len(groups), self.variants, *made.shape[2:]), -1, np.int32)
         added[:, : made.shape[1]] = made
         return relax(

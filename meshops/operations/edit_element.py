@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.outlines import outlines
+from meshops import _core
 from meshops.mesh import Bools, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import crossable_pairs, nearest_first
@@ -40,7 +40,7 @@ class EditElement(SiteOperation):
         alone = np.full((len(two), 1), -1, np.int32)
         groups = np.concatenate([np.hstack([two, alone]), triples(topology, middles)])
         groups = groups[nearest_first(workpiece, groups)[: self.pool]]
-        polygons, sizes = outlines(mesh.elements, groups)
+        polygons, sizes = _core.cavity_polygons(mesh.elements, groups)
         made = fill(polygons, sizes, dissections, -1)
         made[_as_before(mesh.elements, groups, made)] = -1
         added = np.full((len(groups), self.variants, *made.shape[2:]), -1, np.int32)

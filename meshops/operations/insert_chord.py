@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from meshops.kernels.chords import split_strips
+from meshops import _core
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import alternatives, candidates_of
 from meshops.operations.relax import relax
@@ -46,7 +46,5 @@ class InsertChord(SiteOperation):
         found = (found + Strips.closed(workpiece)).ranked(workpiece, self.pool)
         rows, ways = alternatives(len(found), self.variants)
         strips = found.take(rows)
-        elements, places = split_strips(
-            strips.start, strips.cells, strips.rungs, ways, mesh.points, mesh.elements
-        )
+        elements, places = _core.insert_chords(strips, ways, mesh.points, mesh.elements)
         return relax(workpiece, candidates_of(elements, places=places), sweeps=SWEEPS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from meshops.kernels.local_edits import pair_polygons
+from meshops._core import join_trias
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import crossable_pairs, nearest_first
 from meshops.operations.relax import relax
@@ -26,5 +26,4 @@ class JoinTrias(SiteOperation):
         pairs = crossable_pairs(workpiece)
         pairs = pairs[workpiece.mesh.is_tria[pairs].all(axis=1)]
         pairs = pairs[nearest_first(workpiece, pairs)[: self.pool]]
-        polygons, _ = pair_polygons(workpiece.mesh.elements, pairs)
-        return relax(workpiece, Candidates.padded(pairs, polygons[:, None, :4]))
+        return relax(workpiece, Candidates(*join_trias(workpiece.mesh.elements, pairs)))

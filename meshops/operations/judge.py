@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from meshops._core import nearest
-from meshops.kernels.judging import judge_candidates
-from meshops.mesh import Bools, Floats
+from meshops._core import evaluate_candidates
+from meshops.mesh import Floats
 from meshops.operations.candidates import Candidates
-from meshops.quality_sums import ELEMENTS
-from meshops.surface import PLANE_TOLERANCE, PatchSurface
+from meshops.surface import PLANE_TOLERANCE
 from meshops.workpiece import Workpiece
 
 SURFACE_TOLERANCE = 0.1
@@ -26,54 +22,10 @@ def judge(workpiece: Workpiece, candidates: Candidates) -> Floats:
     that comes or whose nodes move is sound and faces the way it did; new places are on the
     surface.
     """
-    mesh, topology = workpiece.mesh, workpiece.topology
-    start, around = workpiece.around
-    tallies, edges, centres = judge_candidates(
-        *candidates.arrays,
-        mesh.points,
-        mesh.elements,
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        topology.zones,
-        topology.free_nodes,
-        start,
-        around,
-        workpiece.outside,
-        workpiece.values,
-        workpiece.tally,
-        *workpiece.setting.scoring.arrays,
+    return evaluate_candidates(
+        candidates,
+        workpiece,
+        workpiece.setting.scoring.core,
+        PLANE_TOLERANCE,
+        SURFACE_TOLERANCE,
     )
-    whole = np.isfinite(tallies[:, ELEMENTS])
-    tallies[_leaves_surface(workpiece.surface, candidates, whole, edges, centres)] = np.nan
-    judged: Floats = tallies
-    return judged
-
-
-def _leaves_surface(
-    surface: PatchSurface, candidates: Candidates, asked: Bools, edges: Floats, centres: Floats
-) -> Bools:
-    """(K,) bool: which of the candidates that are asked for have a place off the surface.
-
-    On a plane that is a new point, or one that a node moves to; elsewhere also the centre of a new
-    element (B, 3). `edges` (K,) is the edge length that the tolerance is taken of.
-    """
-    queries = np.concatenate([candidates.points, candidates.moved_to, centres])
-    owners = np.concatenate(
-        [
-            np.repeat(np.arange(len(candidates)), np.diff(start))
-            for start in (candidates.point_start, candidates.moved_start, candidates.added_start)
-        ]
-    )
-    wanted = asked[owners]
-    queries, owners = queries[wanted], owners[wanted]
-    if surface.plane is not None:
-        distance = np.abs((queries - surface.points[0]) @ surface.plane)
-        limit = np.full(len(queries), PLANE_TOLERANCE * float(np.ptp(surface.points, axis=0).max()))
-    else:
-        spheres = surface.spheres
-        distance = nearest(queries, surface.points, surface.trias, spheres)[1]
-        limit = SURFACE_TOLERANCE * edges[owners]
-    leaves = np.zeros(len(candidates), bool)
-    leaves[owners[~(distance <= limit)]] = True
-    return leaves

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from meshops.kernels.local_edits import open_nodes
+from meshops._core import open_diagonals
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first, padded_around
 from meshops.operations.relax import relax
@@ -37,9 +37,5 @@ class OpenDiagonal(SiteOperation):
         nodes = np.nonzero(workpiece.topology.free_nodes & (valence >= 4))[0].astype(np.int32)
         order = nearest_first(workpiece, padded_around(nodes, start, around))
         nodes = nodes[order[: self.pool]]
-        return relax(
-            workpiece,
-            Candidates.padded(
-                *open_nodes(nodes, self.variants, mesh.points, mesh.elements, start, around)
-            ),
-        )
+        opened = open_diagonals(nodes, self.variants, mesh.points, mesh.elements, workpiece.around)
+        return relax(workpiece, Candidates(*opened))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshops.kernels.pillows import pillow
+from meshops import _core
 from meshops.mesh import Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import candidates_of, picked, starts
@@ -34,15 +34,15 @@ class Refine(SiteOperation):
         nearest = np.minimum.reduceat(nearness(workpiece)[rows], start[:-1])
         order = np.argsort(nearest, kind="stable")[: self.pool]
         chosen_start, places = picked(start, order.astype(np.int32))
-        elements, points = pillow(
-            chosen_start,
-            rows[places],
-            mesh.points,
-            mesh.elements,
-            topology.element_edges,
-            topology.edge_elements,
+        sets = chosen_start, rows[places]
+        added_start, added, point_start, points = _core.pillow(
+            sets, mesh.points, mesh.elements, topology.graph
         )
-        return relax(workpiece, candidates_of(elements, places=points), sweeps=SWEEPS)
+        return relax(
+            workpiece,
+            candidates_of((*sets, added_start, added), places=(point_start, points)),
+            sweeps=SWEEPS,
+        )
 
 
 def _single_elements_and_fans(workpiece: Workpiece) -> tuple[Ints, Ints]:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshops._core import select_ranges
 from meshops.edit import Edit
-from meshops.kernels.selection import select_ranges
 from meshops.mesh import Floats, Ids, Ints
 from meshops.patch import components, join
 from meshops.remeshing import joint_change, replace_patch

@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from meshops._core import Claims
 from meshops.edit import Edit
-from meshops.kernels.combining import claims, combine
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.operations.candidates import Candidates
 from meshops.operations.judge import judge
@@ -151,8 +151,7 @@ class SiteSpace:
         return np.column_stack([place + 1, variant]).astype(np.int32)
 
     def _combined(self, genomes: Ids) -> tuple[Floats, Bools]:
-        combined: tuple[Floats, Bools] = combine(genomes, *self._claims, self._changes)
-        return combined
+        return self._claims.combine(genomes, self._changes)
 
     def _greedy(self) -> Ids:
         """Take the sites that alone make the mesh fittest, as long as they make it fitter."""
@@ -182,7 +181,7 @@ def apply_sites(
     valid = np.nonzero(np.isfinite(tallies[:, ELEMENTS]))[0].astype(np.int32)
     named, changes = named.take(valid), tallies[valid] - workpiece.tally
     genome = np.arange(len(named), dtype=np.int64)[None]
-    taken = combine(genome, *_claims(workpiece, named), changes)[1][0]
+    taken = _claims(workpiece, named).combine(genome, changes)[1][0]
     mesh = workpiece.mesh
     return join_edits(workpiece, [named.edit(int(k), mesh.region) for k in np.nonzero(taken)[0]])
 
@@ -204,17 +203,6 @@ def format_sites(parameters: Ints, *, variants: int = 1) -> str:
     return " ".join(f"{rank}{v}" for rank, v in zip(parameters[:, 0], letters, strict=True))
 
 
-def _claims(workpiece: Workpiece, candidates: Candidates) -> tuple[Ints, Ints, int]:
-    """List what each candidate needs for itself, in numbers below the one that comes last.
-
-    Candidates of which none needs what another has may be done together, and what they change adds
-    up. For they share no element that goes or is deformed: so the tally of each element changes by
-    one of them only, and a node that moves or vanishes in one, with all elements around it, is not
-    in the other. And they share no node of an element that goes or comes: so they cannot make the
-    same edge or the same element, which is all that is left of what the judge sees in each alone.
-    """
-    mesh = workpiece.mesh
-    start, claimed = claims(*candidates.arrays, mesh.elements, *workpiece.around)
-    # only numbers that occur are kept, so that a choice costs the same on any mesh
-    used, numbers = np.unique(claimed, return_inverse=True)
-    return start, numbers.astype(np.int32).reshape(-1), len(used)
+def _claims(workpiece: Workpiece, candidates: Candidates) -> Claims:
+    """List what each candidate needs for itself."""
+    return Claims(candidates, workpiece.mesh.elements, workpiece.around)

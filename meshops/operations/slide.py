@@ -14,7 +14,7 @@ from meshops.workpiece import Workpiece
 
 EVEN = METHODS.index("even")
 
-LINE_TOLERANCE = 0.007
+LINE_TOLERANCE = 0.005
 """Of a border edge: how far the new border may be from the old one. A hundredth is promised; it is
 seen at a few points of an edge, between which it may be a little more."""
 

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from meshops.kernels.strips import closed_strips, straight_strips, walks
+from meshops import _core
 from meshops.mesh import Bools, Ints
 from meshops.operations.places import nearest_first
 from meshops.operations.ragged import picked
@@ -19,7 +19,20 @@ SWEEPS = 2
 
 @dataclass(frozen=True, eq=False)
 class Strips:
-    """Ragged arrays of elements one behind the other, as ``kernels.strips`` describes them."""
+    """Strips as lists one behind the other: elements, each across a crossable edge from the last.
+
+    A strip has *cells*, the elements, and *rungs*, the edges between one cell and the next.
+
+    Attributes
+    ----------
+    start : (S + 1,) int32
+        Strip s has the places from ``start[s]`` to ``start[s + 1]``.
+    cells : (C,) int32
+        Element rows.
+    rungs : (C, 2) int32
+        The edge between a cell and the next one, in the direction of the cell. The last rung of a
+        strip leads back to its first cell, or is -1, -1 where the strip is open.
+    """
 
     start: Ints
     cells: Ints
@@ -28,19 +41,25 @@ class Strips:
     @classmethod
     def straight(cls, workpiece: Workpiece, trias: Ints, *, reach: int, steps: int) -> Self:
         """Go straight from `trias` to others behind `reach` quads or into `steps` quads."""
-        return cls(*straight_strips(*_ways_across(workpiece), trias, reach, steps))
+        return cls(
+            *_core.straight_strips(workpiece.mesh.elements, workpiece.topology, trias, reach, steps)
+        )
 
     @classmethod
     def closed(cls, workpiece: Workpiece) -> Self:
         """Find all rows of quads that close on themselves."""
-        return cls(*closed_strips(*_ways_across(workpiece)))
+        return cls(*_core.closed_strips(workpiece.mesh.elements, workpiece.topology))
 
     @classmethod
     def walks(
         cls, workpiece: Workpiece, trias: Ints, *, reach: int, steps: int, partners: int
     ) -> Self:
         """Find the shortest ways from `trias` to other trias and to the quads within `steps`."""
-        return cls(*walks(*_ways_across(workpiece), trias, reach, steps, partners))
+        return cls(
+            *_core.shortest_strips(
+                workpiece.mesh.elements, workpiece.topology, trias, reach, steps, partners
+            )
+        )
 
     def __len__(self) -> int:
         return len(self.start) - 1
@@ -91,15 +110,3 @@ def nearness(workpiece: Workpiece) -> Ints:
     places = np.empty_like(rows)
     places[nearest_first(workpiece, rows[:, None])] = rows
     return places
-
-
-def _ways_across(workpiece: Workpiece) -> tuple[Ints, Ints, Ints, Bools, Bools]:
-    """Elements, their edges, and where strips may go: what all kernels of strips begin with."""
-    topology = workpiece.topology
-    return (
-        workpiece.mesh.elements,
-        topology.element_edges,
-        topology.edge_elements,
-        topology.crossable,
-        topology.editable,
-    )

@@ -87,7 +87,7 @@ def fill(
     Parameters
     ----------
     polygons, sizes : (S, P) int32, (S,) int32
-        As `outlines` makes them.
+        As `cavity_polygons` makes them.
     templates : function
         The templates of a polygon by its corners: `dissections` or `stars`.
     centre : int

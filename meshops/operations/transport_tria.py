@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from meshops.kernels.walks import transport
+from meshops import _core
 from meshops.operations.candidates import Candidates
 from meshops.operations.ragged import alternatives, candidates_of
 from meshops.operations.relax import relax
@@ -55,7 +55,5 @@ class TransportTria(SiteOperation):
         ).ranked(workpiece, self.pool)
         rows, ways = alternatives(len(found), self.variants)
         strips = found.take(rows)
-        after = transport(
-            strips.start, strips.cells, strips.rungs, ways, mesh.points, mesh.elements
-        )
+        after = _core.transport_trias(strips, ways, mesh.points, mesh.elements)
         return relax(workpiece, candidates_of((strips.start, strips.cells, *after)))

@@ -3,10 +3,14 @@
 //! Pure functions on structs: no clock, no files, no global state, and the same bits on every
 //! machine. This file says what Python sees.
 
+pub mod annealing;
 pub mod math;
 pub mod mesh;
+pub mod meshing;
 pub mod operations;
 pub mod quality;
+pub mod recombination;
+pub mod rng;
 pub mod surface;
 pub mod vectors;
 

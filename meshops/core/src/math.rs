@@ -135,6 +135,13 @@ pub fn floor_mod(a: i64, b: i64) -> i64 {
     if rest != 0 && ((rest < 0) != (b < 0)) { rest + b } else { rest }
 }
 
+/// Python's `a % b` of floats: of the sign of `b`, which is above 0.
+#[inline]
+pub fn modulo(a: f64, b: f64) -> f64 {
+    let rest = a % b;
+    if rest < 0.0 { rest + b } else { rest.abs() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,6 +153,13 @@ mod tests {
         assert_eq!(least(1.0, f64::NAN), 1.0);
         assert!(greatest(f64::NAN, 1.0).is_nan());
         assert_eq!(greatest_of([1.0, f64::NAN, 2.0]), 2.0);
+    }
+
+    #[test]
+    fn remainders_have_the_sign_of_the_divisor() {
+        assert_eq!(modulo(-1.0, 4.0), 3.0);
+        assert_eq!(modulo(9.0, 4.0), 1.0);
+        assert!(modulo(-8.0, 4.0).is_sign_positive());
     }
 
     proptest! {

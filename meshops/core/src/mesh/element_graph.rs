@@ -69,4 +69,13 @@ impl<'a> ElementGraph<'a> {
         let [a, b] = self.edge_elements[edge as usize];
         Some(if a == element as i32 { b } else { a } as usize)
     }
+
+    /// The element across a side, and the first of its own sides that is the same edge.
+    #[inline]
+    pub fn enter(&self, element: usize, side: usize) -> Option<(usize, usize)> {
+        let other = self.across(element, side)?;
+        let edge = self.element_edges[element][side];
+        let entered = self.element_edges[other].iter().position(|same| *same == edge)?;
+        Some((other, entered))
+    }
 }

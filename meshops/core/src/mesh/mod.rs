@@ -5,11 +5,14 @@
 use crate::vectors::Vector;
 
 pub mod border_loops;
+pub mod cavity_polygon;
 pub mod components;
 pub mod csr;
 pub mod edges;
 pub mod element_graph;
 pub mod element_rings;
+pub mod lists;
+pub mod neighbours;
 pub mod node_elements;
 pub mod patch;
 pub mod subdomain;

@@ -11,7 +11,7 @@ use super::merging::{merged_element, without_doubles};
 use crate::mesh::valence::Valences;
 use crate::mesh::validity::{FACING, unit_normal};
 use crate::mesh::{Element, is_tria, size_of};
-use crate::quality::{CRITERIA, Measures, QualitySums, Scoring};
+use crate::quality::{CRITERIA, ElementSums, QualitySums, Scoring};
 use crate::vectors::{Vector, corner_jacobian_min, dot};
 
 /// `corner_jacobian_min` from which a merged element counts as sound.
@@ -66,6 +66,8 @@ pub struct MergeEvaluator<'a> {
     touched: Vec<i32>,
     merged: Vec<Option<Element>>,
     comes: Vec<Element>,
+    /// What each element adds to the sums of the mesh.
+    of_elements: Option<ElementSums<'a>>,
     counts: Vec<i32>,
     before: Vec<i32>,
     after: Vec<i32>,
@@ -74,18 +76,21 @@ pub struct MergeEvaluator<'a> {
 impl<'a> MergeEvaluator<'a> {
     /// Make ready for choices out of a pool.
     pub fn new(site: MergeSite<'a>, pool: &'a [NodePair]) -> Self {
-        let nodes = site.points.len();
+        let (nodes, elements) = (site.points.len(), site.valences.elements);
+        let of_elements =
+            site.scoring.map(|scoring| ElementSums::new(elements, site.measures, scoring));
         Self {
             site,
             pool,
             points: site.points.to_vec(),
             target: (0..nodes as i32).collect(),
             node_seen: vec![0; nodes],
-            element_seen: vec![0; site.valences.elements.len()],
+            element_seen: vec![0; elements.len()],
             choice: 0,
             touched: Vec::new(),
             merged: Vec::new(),
             comes: Vec::new(),
+            of_elements,
             counts: vec![0; nodes],
             before: Vec::new(),
             after: Vec::new(),
@@ -187,14 +192,9 @@ impl<'a> MergeEvaluator<'a> {
         let mut sums = *self.site.sums;
         self.comes.clear();
         for (row, after) in self.touched.iter().zip(&self.merged) {
-            let row = *row as usize;
-            let was_tria = is_tria(elements[row]);
-            match self.site.scoring {
-                Some(scoring) => {
-                    let measures = Measures::from(self.site.measures[row]);
-                    sums.add(&measures, was_tria, -1.0, scoring);
-                }
-                None => count(&mut sums, was_tria, -1.0),
+            match &mut self.of_elements {
+                Some(of_elements) => sums.take_away(of_elements.get(*row)),
+                None => count(&mut sums, is_tria(elements[*row as usize]), -1.0),
             }
             let Some(after) = *after else { continue };
             self.comes.push(after);

@@ -5,9 +5,11 @@
 use numpy::ndarray::Array2;
 use numpy::{Element as Item, IntoPyArray, PyArray1, PyArray2};
 use numpy::{PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::mesh::csr::CsrView;
 use crate::mesh::{Element, Facet};
 
 /// A NumPy array of one dimension, as it is returned.
@@ -127,9 +129,22 @@ impl<'a, 'py, T: Item + Copy, const W: usize> FromPyObject<'a, 'py> for Rows<'py
         if array.is_c_contiguous() {
             Ok(Self::Borrowed(array))
         } else {
-            Ok(Self::Copied(array.as_array().iter().copied().collect()))
+            let view = array.as_array();
+            let mut items = Vec::with_capacity(view.len());
+            for row in view.rows() {
+                items.extend((0..W).map(|k| row[k]));
+            }
+            Ok(Self::Copied(items))
         }
     }
+}
+
+/// Take something from an object by the name of the attribute.
+pub fn attribute<'py, T: FromPyObjectOwned<'py>>(
+    object: &Borrowed<'_, 'py, PyAny>,
+    name: &str,
+) -> PyResult<T> {
+    object.getattr(name)?.extract().map_err(Into::into)
 }
 
 /// Rows as an array (n, W).
@@ -165,6 +180,12 @@ pub fn check_elements(elements: &[Element], nodes: usize) -> PyResult<()> {
     require(!missing, "an element names a node that is not there")
 }
 
+/// Elements in some rows are there, and name three or four of some nodes.
+pub fn check_elements_at(rows: &[i32], elements: &[Element], nodes: usize) -> PyResult<()> {
+    check_rows(rows, elements.len(), "there is no such element")?;
+    rows.iter().try_for_each(|row| check_elements(&elements[*row as usize..][..1], nodes))
+}
+
 /// Facets name three of some points.
 pub fn check_facets(facets: &[Facet], points: usize) -> PyResult<()> {
     let all = facets.as_flattened();
@@ -176,4 +197,53 @@ pub fn check_rows(rows: &[i32], count: usize, message: &str) -> PyResult<()> {
     let count = count.min(i32::MAX as usize) as u32;
     let missing = rows.iter().fold(false, |missing, row| missing | (*row as u32 >= count));
     require(!missing, message)
+}
+
+/// The lists of some nodes, for each node one, are of elements that name nodes.
+///
+/// Other lists are not looked at, so the cost grows with those that are.
+pub fn check_elements_around<'a>(
+    (start, items): &'a (List<'_, i32>, List<'_, i32>),
+    asked: impl IntoIterator<Item = i32>,
+    elements: &[Element],
+    nodes: usize,
+) -> PyResult<CsrView<'a>> {
+    let (start, items) = (start.items(), items.items());
+    require(start.len() == nodes + 1, "each node needs one list")?;
+    for node in asked {
+        check_rows(&[node], nodes, "there is no such node")?;
+        let ends = [start[node as usize], start[node as usize + 1]];
+        let range = ends.map(|end| usize::try_from(end).unwrap_or(usize::MAX));
+        let list = items.get(range[0]..range[1]);
+        require(list.is_some(), "lists do not lie one behind the other")?;
+        check_elements_at(list.unwrap_or_default(), elements, nodes)?;
+    }
+    Ok(CsrView { start, items })
+}
+
+/// Lists, so many, of rows of something.
+pub fn check_lists<'a>(
+    (start, items): &'a (List<'_, i32>, List<'_, i32>),
+    lists: usize,
+    count: usize,
+) -> PyResult<CsrView<'a>> {
+    check_csr(CsrView { start: start.items(), items: items.items() }, lists, count)
+}
+
+/// Lists, so many, of rows of something that has `count` of them.
+pub fn check_csr(csr: CsrView<'_>, lists: usize, count: usize) -> PyResult<CsrView<'_>> {
+    let CsrView { start, items } = csr;
+    require(start.len() == lists + 1, "there is not the right number of lists")?;
+    check_starts(start, items.len())?;
+    check_rows(items, count, "a list names a row that is not there")?;
+    Ok(csr)
+}
+
+/// Lists of so many items in all lie one behind the other.
+pub fn check_starts(start: &[i32], items: usize) -> PyResult<()> {
+    let rises = start.windows(2).fold(true, |rises, pair| rises & (pair[0] <= pair[1]));
+    let fits = rises
+        && start.first() == Some(&0)
+        && start.last().is_some_and(|end| *end as usize == items);
+    require(fits, "lists do not lie one behind the other")
 }

@@ -1,28 +1,22 @@
-//! Local edits: merging nodes, candidates and what they do.
+//! Local edits: merging nodes, what candidates are made of, and selections.
 
 use pyo3::prelude::*;
 
-use super::arrays::{Array, Grid, List, Rows, Table, check_elements, check_rows, require};
-use super::arrays::{to_list, to_rows};
+use super::arrays::{
+    Array, Grid, List, Rows, Table, attribute, check_elements, check_lists, check_rows, require,
+    to_list, to_rows,
+};
+use super::candidates::{ListedCandidates, MeshArrays, NO_MESH, to_candidates};
 use super::quality::{PyScoring, exactly};
-use crate::mesh::csr::CsrView;
 use crate::mesh::valence::Valences;
-use crate::operations::merging;
+use crate::operations::node_fan::MOST_AROUND;
 use crate::operations::replace_node::{MergeEvaluator, MergeSite, NodePair};
-use crate::quality::sums::SUMS;
+use crate::operations::{self, merging};
 use crate::quality::{CRITERIA, QualitySums};
 
 type Rewired<'py> = (Array<'py, i32>, Array<'py, i32>, Table<'py, i32>);
 
-/// A mesh as Python has it.
-#[derive(FromPyObject)]
-struct MeshArrays<'py> {
-    points: Rows<'py, f64, 3>,
-    elements: Rows<'py, i32, 4>,
-}
-
-/// What Python knows of a mesh and its criteria, a `Workpiece`.
-#[derive(FromPyObject)]
+/// What merging nodes needs of a `Workpiece`.
 struct MergeArrays<'py> {
     mesh: MeshArrays<'py>,
     around: (List<'py, i32>, List<'py, i32>),
@@ -31,21 +25,18 @@ struct MergeArrays<'py> {
     tally: List<'py, f64>,
 }
 
-/// Lists, one a node, of rows of elements.
-fn check_lists<'a>(
-    (start, items): &'a (List<'_, i32>, List<'_, i32>),
-    lists: usize,
-    count: usize,
-) -> PyResult<CsrView<'a>> {
-    let (start, items) = (start.items(), items.items());
-    let rises = start.windows(2).fold(true, |rises, pair| rises & (pair[0] <= pair[1]));
-    let fits = start.len() == lists + 1
-        && start[0] == 0
-        && rises
-        && start.last().is_some_and(|end| *end as usize == items.len());
-    require(fits, "lists do not lie one behind the other")?;
-    check_rows(items, count, "a list names a row that is not there")?;
-    Ok(CsrView { start, items })
+impl<'a, 'py> FromPyObject<'a, 'py> for MergeArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            mesh: attribute(&object, "mesh")?,
+            around: attribute(&object, "around")?,
+            outside: attribute(&object, "outside")?,
+            values: attribute(&object, "values")?,
+            tally: attribute(&object, "tally")?,
+        })
+    }
 }
 
 #[pyfunction]
@@ -85,9 +76,6 @@ fn evaluate_merges<'py>(
     to_rows(py, sums)
 }
 
-/// The sums of what is no mesh.
-const NO_MESH: [f64; SUMS] = [f64::NAN; SUMS];
-
 /// Pairs of nodes, and whether they meet half-way.
 fn node_pairs(pairs: &[[i32; 3]], on_border: &[bool], nodes: usize) -> PyResult<Vec<NodePair>> {
     require(on_border.len() == pairs.len(), "each pair is on the border or not")?;
@@ -116,8 +104,87 @@ fn rewire<'py>(
     ))
 }
 
+#[pyfunction]
+fn join_trias<'py>(
+    py: Python<'py>,
+    elements: Rows<'py, i32, 4>,
+    pairs: Rows<'py, i32, 2>,
+) -> PyResult<ListedCandidates<'py>> {
+    let (elements, pairs) = (elements.rows(), pairs.rows());
+    check_rows(pairs.as_flattened(), elements.len(), "there is no such element")?;
+    to_candidates(py, py.detach(|| operations::join_trias::join_trias(elements, pairs)))
+}
+
+#[pyfunction]
+fn swap_edges<'py>(
+    py: Python<'py>,
+    elements: Rows<'py, i32, 4>,
+    pairs: Rows<'py, i32, 2>,
+) -> PyResult<ListedCandidates<'py>> {
+    let (elements, pairs) = (elements.rows(), pairs.rows());
+    check_rows(pairs.as_flattened(), elements.len(), "there is no such element")?;
+    to_candidates(py, py.detach(|| operations::swap_edge::swap_edges(elements, pairs)))
+}
+
+#[pyfunction]
+fn collapse_diagonals<'py>(
+    py: Python<'py>,
+    quads: List<'py, i32>,
+    points: Rows<'py, f64, 3>,
+    elements: Rows<'py, i32, 4>,
+    around: (List<'py, i32>, List<'py, i32>),
+    free: List<'py, bool>,
+) -> PyResult<ListedCandidates<'py>> {
+    let (quads, points, elements) = (quads.items(), points.rows(), elements.rows());
+    check_elements(elements, points.len())?;
+    check_rows(quads, elements.len(), "there is no such element")?;
+    let around = check_lists(&around, points.len(), elements.len())?;
+    let free = free.items();
+    require(free.len() == points.len(), "each node is free or not")?;
+    let list = py.detach(|| {
+        operations::collapse_diagonal::collapse_diagonals(quads, points, elements, around, free)
+    });
+    to_candidates(py, list)
+}
+
+#[pyfunction]
+fn open_diagonals<'py>(
+    py: Python<'py>,
+    nodes: List<'py, i32>,
+    variants: usize,
+    points: Rows<'py, f64, 3>,
+    elements: Rows<'py, i32, 4>,
+    around: (List<'py, i32>, List<'py, i32>),
+) -> PyResult<ListedCandidates<'py>> {
+    let (nodes, points, elements) = (nodes.items(), points.rows(), elements.rows());
+    check_elements(elements, points.len())?;
+    check_rows(nodes, points.len(), "there is no such node")?;
+    let around = check_lists(&around, points.len(), elements.len())?;
+    require(variants <= MOST_AROUND, "a node has no more than 12 edges to open at")?;
+    let list = py.detach(|| {
+        operations::open_diagonal::open_diagonals(nodes, variants, points, elements, around)
+    });
+    to_candidates(py, list)
+}
+
+#[pyfunction]
+fn select_ranges<'py>(
+    py: Python<'py>,
+    ranges: Rows<'py, i32, 2>,
+    count: usize,
+) -> PyResult<Array<'py, bool>> {
+    require(i32::try_from(count).is_ok(), "there are not so many elements")?;
+    let ranges = ranges.rows();
+    Ok(to_list(py, py.detach(|| operations::selection::select_ranges(ranges, count))))
+}
+
 /// Add what is here to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(evaluate_merges, module)?)?;
-    module.add_function(wrap_pyfunction!(rewire, module)?)
+    module.add_function(wrap_pyfunction!(rewire, module)?)?;
+    module.add_function(wrap_pyfunction!(join_trias, module)?)?;
+    module.add_function(wrap_pyfunction!(swap_edges, module)?)?;
+    module.add_function(wrap_pyfunction!(collapse_diagonals, module)?)?;
+    module.add_function(wrap_pyfunction!(open_diagonals, module)?)?;
+    module.add_function(wrap_pyfunction!(select_ranges, module)?)
 }

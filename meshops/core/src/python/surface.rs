@@ -1,10 +1,10 @@
 //! Surfaces.
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::arrays::{Array, Rows, Table, check_facets, require, to_list, to_rows};
-use crate::surface::nearest::{self, Surface};
-use crate::surface::{nearest_edges as edges, plane};
+use crate::surface::{FacetTree, Foot, Surface, nearest, nearest_edges as edges, plane};
 
 type Found<'py> = (Table<'py, f64>, Array<'py, f64>, Array<'py, i32>);
 type Along<'py> = (Array<'py, f64>, Array<'py, i32>, Array<'py, f64>);
@@ -36,6 +36,33 @@ fn nearest_on_surface<'py>(
     require(queries.is_empty() || !facets.is_empty(), "there is no facet to be near to")?;
     let surface = Surface { points, facets, spheres };
     let found = py.detach(|| surface.nearest_to_each(queries));
+    to_found(py, &found)
+}
+
+/// Facets of a surface that is asked many times.
+#[pyclass(frozen, name = "FacetTree", module = "meshops._core")]
+pub struct PyFacetTree(pub FacetTree);
+
+#[pymethods]
+impl PyFacetTree {
+    #[new]
+    fn new(py: Python<'_>, points: Rows<'_, f64, 3>, facets: Rows<'_, i32, 3>) -> PyResult<Self> {
+        let (points, facets) = (points.rows(), facets.rows());
+        check_facets(facets, points.len())?;
+        let tree = py.detach(|| FacetTree::new(&Surface { points, facets, spheres: &[] }));
+        let missing = || PyValueError::new_err("there is no facet to be near to");
+        tree.map(Self).ok_or_else(missing)
+    }
+
+    fn nearest<'py>(&self, py: Python<'py>, queries: Rows<'py, f64, 3>) -> PyResult<Found<'py>> {
+        let queries = queries.rows();
+        let found: Vec<_> =
+            py.detach(|| queries.iter().map(|place| self.0.nearest(*place)).collect());
+        to_found(py, &found)
+    }
+}
+
+fn to_found<'py>(py: Python<'py>, found: &[Foot]) -> PyResult<Found<'py>> {
     Ok((
         to_rows(py, found.iter().map(|foot| foot.point).collect())?,
         to_list(py, found.iter().map(|foot| foot.distance).collect()),
@@ -92,6 +119,7 @@ fn nearest_edges<'py>(
 
 /// Add what is here to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyFacetTree>()?;
     module.add_function(wrap_pyfunction!(bounding_spheres, module)?)?;
     module.add_function(wrap_pyfunction!(nearest_on_surface, module)?)?;
     module.add_function(wrap_pyfunction!(areas_of, module)?)?;

@@ -4,6 +4,7 @@
 //! measured on each element, the last is of the mesh.
 
 pub mod element_quality;
+pub mod element_sums;
 pub mod fitness;
 pub mod index;
 pub mod measures;
@@ -12,6 +13,7 @@ pub mod penalty;
 pub mod scoring;
 pub mod sums;
 
+pub use element_sums::ElementSums;
 pub use measures::{Corners, Measures};
 pub use scoring::{Levels, Scoring, Sizing};
 pub use sums::QualitySums;

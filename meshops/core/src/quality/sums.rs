@@ -130,6 +130,32 @@ impl QualitySums {
         }
     }
 
+    /// Sums of one element by its measures.
+    pub fn of_element(measures: &Measures, is_tria: bool, scoring: &Scoring) -> Self {
+        let mut sums = Self::default();
+        sums.add(measures, is_tria, 1.0, scoring);
+        sums
+    }
+
+    /// Take away what an element added: the same bits as taking it away by its measures, as sums
+    /// of severities are exact.
+    #[inline]
+    pub fn take_away(&mut self, element: &Self) {
+        for (sums, less) in self.criteria.iter_mut().zip(&element.criteria) {
+            sums.passing -= less.passing;
+            sums.passed -= less.passed;
+            sums.failing -= less.failing;
+            sums.failed -= less.failed;
+        }
+        self.elements -= element.elements;
+        self.quads -= element.quads;
+        self.trias -= element.trias;
+        self.failed -= element.failed;
+        self.shape_failed -= element.shape_failed;
+        self.shape -= element.shape;
+        self.size -= element.size;
+    }
+
     /// Trias in percent of the elements; 0 for no elements.
     #[inline]
     pub fn percent_trias(&self) -> f64 {

@@ -60,8 +60,8 @@ pub fn plane_of(points: &[Vector], facets: &[Facet], tolerance: f64) -> Plane {
     Plane { area, normal, is_plane: is_flat && is_facing }
 }
 
-/// Longest side of the box around some points.
-fn extent(points: &[Vector]) -> f64 {
+/// Longest side of the box around some points; there is one.
+pub fn extent(points: &[Vector]) -> f64 {
     let mut extent = 0.0;
     for k in 0..3 {
         let (mut low, mut high) = (points[0][k], points[0][k]);

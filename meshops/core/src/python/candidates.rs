@@ -1,0 +1,292 @@
+//! Candidates: their arrays, their evaluation, and conflicts between them.
+
+use numpy::PyArrayMethods;
+use pyo3::prelude::*;
+
+use super::arrays::{
+    Array, Grid, List, Rows, Table, attribute, check_elements, check_lists, check_rows,
+    check_starts, require, to_list, to_rows,
+};
+use super::mesh::PyElementGraph;
+use super::quality::{PyScoring, exactly};
+use super::surface::PyFacetTree;
+use crate::mesh::csr::CsrView;
+use crate::operations::candidates::{CandidateList, Candidates};
+use crate::operations::cavity::CavityMesh;
+use crate::operations::conflicts::Claims;
+use crate::operations::evaluation::{self, EvaluationMesh, SurfaceBound};
+use crate::quality::sums::SUMS;
+use crate::quality::{CRITERIA, QualitySums};
+use crate::surface::plane::extent;
+
+/// A mesh as Python has it.
+pub struct MeshArrays<'py> {
+    pub points: Rows<'py, f64, 3>,
+    pub elements: Rows<'py, i32, 4>,
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for MeshArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            points: attribute(&object, "points")?,
+            elements: attribute(&object, "elements")?,
+        })
+    }
+}
+
+/// What candidates need of a `Topology`.
+struct TopologyArrays<'py> {
+    graph: Bound<'py, PyElementGraph>,
+    zones: List<'py, i32>,
+    free_nodes: List<'py, bool>,
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for TopologyArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            graph: attribute(&object, "graph")?,
+            zones: attribute(&object, "zones")?,
+            free_nodes: attribute(&object, "free_nodes")?,
+        })
+    }
+}
+
+/// What the evaluation of candidates needs of a `Workpiece`.
+struct EvaluationArrays<'py> {
+    mesh: MeshArrays<'py>,
+    topology: TopologyArrays<'py>,
+    around: (List<'py, i32>, List<'py, i32>),
+    outside: List<'py, i32>,
+    values: Rows<'py, f64, CRITERIA>,
+    tally: List<'py, f64>,
+    surface: SurfaceArrays<'py>,
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for EvaluationArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            mesh: attribute(&object, "mesh")?,
+            topology: attribute(&object, "topology")?,
+            around: attribute(&object, "around")?,
+            outside: attribute(&object, "outside")?,
+            values: attribute(&object, "values")?,
+            tally: attribute(&object, "tally")?,
+            surface: attribute(&object, "surface")?,
+        })
+    }
+}
+
+/// What the evaluation of candidates needs of a `PatchSurface`.
+enum SurfaceArrays<'py> {
+    Plane { points: Rows<'py, f64, 3>, normal: List<'py, f64> },
+    Facets(Bound<'py, PyFacetTree>),
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for SurfaceArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(surface: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        match attribute(&surface, "plane")? {
+            Some(normal) => Ok(Self::Plane { points: attribute(&surface, "points")?, normal }),
+            // only asked for where it is needed: it is made then
+            None => Ok(Self::Facets(attribute(&surface, "tree")?)),
+        }
+    }
+}
+
+impl SurfaceArrays<'_> {
+    fn bound(&self, plane_tolerance: f64, tolerance: f64) -> PyResult<SurfaceBound<'_>> {
+        match self {
+            Self::Plane { points, normal } => {
+                let points = points.rows();
+                require(!points.is_empty(), "a plane needs a point")?;
+                Ok(SurfaceBound::Plane {
+                    origin: points[0],
+                    normal: exactly(normal.items())?,
+                    tolerance: plane_tolerance * extent(points),
+                })
+            }
+            Self::Facets(tree) => Ok(SurfaceBound::Facets { facets: &tree.get().0, tolerance }),
+        }
+    }
+}
+
+/// A `Candidates`.
+pub struct CandidateArrays<'py> {
+    removed_start: List<'py, i32>,
+    removed: List<'py, i32>,
+    added_start: List<'py, i32>,
+    added: Rows<'py, i32, 4>,
+    point_start: List<'py, i32>,
+    points: Rows<'py, f64, 3>,
+    moved_start: List<'py, i32>,
+    moved: List<'py, i32>,
+    moved_to: Rows<'py, f64, 3>,
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for CandidateArrays<'py> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        Ok(Self {
+            removed_start: attribute(&object, "removed_start")?,
+            removed: attribute(&object, "removed")?,
+            added_start: attribute(&object, "added_start")?,
+            added: attribute(&object, "added")?,
+            point_start: attribute(&object, "point_start")?,
+            points: attribute(&object, "points")?,
+            moved_start: attribute(&object, "moved_start")?,
+            moved: attribute(&object, "moved")?,
+            moved_to: attribute(&object, "moved_to")?,
+        })
+    }
+}
+
+impl CandidateArrays<'_> {
+    /// The candidates, all rows of elements and nodes that they name being those of a mesh.
+    ///
+    /// The nodes of elements that come are not looked at.
+    pub fn candidates(&self, elements: usize, nodes: usize) -> PyResult<Candidates<'_>> {
+        let candidates = Candidates {
+            removed: CsrView { start: self.removed_start.items(), items: self.removed.items() },
+            added_start: self.added_start.items(),
+            added: self.added.rows(),
+            point_start: self.point_start.items(),
+            points: self.points.rows(),
+            moved: CsrView { start: self.moved_start.items(), items: self.moved.items() },
+            moved_to: self.moved_to.rows(),
+        };
+        let count = candidates.removed.start.len();
+        for (start, items) in [
+            (candidates.removed.start, candidates.removed.items.len()),
+            (candidates.added_start, candidates.added.len()),
+            (candidates.point_start, candidates.points.len()),
+            (candidates.moved.start, candidates.moved.items.len()),
+        ] {
+            require(start.len() == count, "all lists of candidates are as many")?;
+            check_starts(start, items)?;
+        }
+        let places = candidates.moved_to.len();
+        require(places == candidates.moved.items.len(), "each node that moves needs one place")?;
+        check_rows(candidates.removed.items, elements, "an element goes that is not there")?;
+        check_rows(candidates.moved.items, nodes, "a node moves that is not there")?;
+        Ok(candidates)
+    }
+}
+
+/// Candidates as the arrays of a `Candidates`, in their order.
+pub type ListedCandidates<'py> = (
+    Array<'py, i32>,
+    Array<'py, i32>,
+    Array<'py, i32>,
+    Table<'py, i32>,
+    Array<'py, i32>,
+    Table<'py, f64>,
+    Array<'py, i32>,
+    Array<'py, i32>,
+    Table<'py, f64>,
+);
+
+/// Hand candidates to Python.
+pub fn to_candidates(py: Python<'_>, list: CandidateList) -> PyResult<ListedCandidates<'_>> {
+    Ok((
+        to_list(py, list.removed_start),
+        to_list(py, list.removed),
+        to_list(py, list.added_start),
+        to_rows(py, list.added)?,
+        to_list(py, list.point_start),
+        to_rows(py, list.points)?,
+        to_list(py, list.moved_start),
+        to_list(py, list.moved),
+        to_rows(py, list.moved_to)?,
+    ))
+}
+
+/// The sums of what is no mesh.
+pub const NO_MESH: [f64; SUMS] = [f64::NAN; SUMS];
+
+#[pyfunction]
+fn evaluate_candidates<'py>(
+    py: Python<'py>,
+    candidates: CandidateArrays<'py>,
+    workpiece: EvaluationArrays<'py>,
+    scoring: &Bound<'py, PyScoring>,
+    plane_tolerance: f64,
+    surface_tolerance: f64,
+) -> PyResult<Table<'py, f64>> {
+    let (points, elements) = (workpiece.mesh.points.rows(), workpiece.mesh.elements.rows());
+    check_elements(elements, points.len())?;
+    let around = check_lists(&workpiece.around, points.len(), elements.len())?;
+    let topology = &workpiece.topology;
+    let (zones, free) = (topology.zones.items(), topology.free_nodes.items());
+    let graph = topology.graph.get().view();
+    require(graph.len() == elements.len(), "the graph is not that of the elements")?;
+    require(zones.len() == elements.len(), "each element needs one zone")?;
+    require(free.len() == points.len(), "each node is free or not")?;
+    let (outside, measures) = (workpiece.outside.items(), workpiece.values.rows());
+    require(outside.len() == points.len(), "each node needs one number of elements outside")?;
+    require(measures.len() == elements.len(), "each element needs one row of measures")?;
+    let candidates = candidates.candidates(elements.len(), points.len())?;
+    let mesh = EvaluationMesh {
+        points,
+        cavity: CavityMesh { elements, around, graph, zones, free },
+        outside,
+        measures,
+        sums: &QualitySums::from(&exactly(workpiece.tally.items())?),
+        scoring: &scoring.get().0,
+        surface: workpiece.surface.bound(plane_tolerance, surface_tolerance)?,
+    };
+    let sums = py.detach(|| {
+        let each = evaluation::evaluate_candidates(&mesh, candidates).into_iter();
+        each.map(|sums| sums.map_or(NO_MESH, |sums| sums.to_array())).collect()
+    });
+    to_rows(py, sums)
+}
+
+/// What each of some candidates needs for itself.
+#[pyclass(frozen, name = "Claims", module = "meshops._core")]
+struct PyClaims(Claims);
+
+#[pymethods]
+impl PyClaims {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        candidates: CandidateArrays<'_>,
+        elements: Rows<'_, i32, 4>,
+        around: (List<'_, i32>, List<'_, i32>),
+    ) -> PyResult<Self> {
+        let (elements, nodes) = (elements.rows(), around.0.items().len().saturating_sub(1));
+        check_elements(elements, nodes)?;
+        let around = check_lists(&around, nodes, elements.len())?;
+        let candidates = candidates.candidates(elements.len(), nodes)?;
+        Ok(Self(py.detach(|| Claims::of(candidates, elements, around))))
+    }
+
+    fn combine<'py>(
+        &self,
+        py: Python<'py>,
+        genomes: Grid<'py, i64>,
+        changes: Rows<'py, f64, SUMS>,
+    ) -> PyResult<(Table<'py, f64>, Table<'py, bool>)> {
+        let (genomes, changes) = (genomes.rows(), changes.rows());
+        let candidates = self.0.claimed.len();
+        require(changes.len() == candidates, "each candidate needs one row of changes")?;
+        require(genomes.items.iter().all(|gene| *gene >= 0), "a gene is less than 0")?;
+        let combined = py.detach(|| self.0.combine(genomes.iter(), changes));
+        let taken = to_list(py, combined.taken).reshape([genomes.count, genomes.width])?;
+        Ok((to_rows(py, combined.sums)?, taken))
+    }
+}
+
+/// Add what is here to the module.
+pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<PyClaims>()?;
+    module.add_function(wrap_pyfunction!(evaluate_candidates, module)?)
+}
