@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from meshops.criteria import STANDARD
 from meshops.edit import apply
 from meshops.fitness import Fitness
-from meshops.kernels.soundness import FACING
 from meshops.mesh import ShellMesh
 from meshops.operations import ReplaceNodePairs
 from meshops.operations.replace_node import mergeable_pairs
@@ -31,6 +30,9 @@ from tests.meshes import (
     users,
     with_,
 )
+
+FACING = 0.5
+"""Cosine of the angle up to which an element may turn."""
 
 LEAST_CORNER = 0.02
 """Of a merged element, as the core has it."""
