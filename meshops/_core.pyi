@@ -4,9 +4,13 @@ Arrays are borrowed where they lie in memory row by row, copied where they do no
 written to. ValueError where shapes do not fit or a row is named that is not there.
 """
 
+from typing import Literal
+
 from meshops.mesh import Bools, Floats, Ids, Ints
 from meshops.operations.candidates import CandidateArrays, Candidates
+from meshops.operations.slide import Curves
 from meshops.operations.strips import Strips
+from meshops.surface import PatchSurface
 from meshops.topology import Topology
 from meshops.workpiece import Workpiece
 
@@ -211,6 +215,70 @@ def plane_of(points: Floats, facets: Ints, tolerance: float) -> tuple[Floats, fl
 
 def nearest_edges(points: Floats, starts: Floats, ends: Floats) -> tuple[Floats, Ints, Floats]:
     """Distance, row and place (from 0 at its start to 1) of the nearest edge to each point."""
+
+# --- smoothing: nodes move, elements stay as they are ---------------------------------------------
+
+class NodeSearch:
+    """What nodes move for, and what they must keep.
+
+    No element is turned over, gets a corner below the least or leaves the surface; none that does
+    already gets worse. Of the elements around a node that moves no more fail than before, and
+    their highest Q.I. does not rise, but for ``even``, which lowers their sum.
+
+    Parameters
+    ----------
+    goal
+        To the mean of the neighbours; for the worst elements first; for the mean element.
+    surface
+        The surface that they stay on.
+    tolerance
+        How far from it the centre of an element may be.
+    least_corner
+        The worst corner that an element may get.
+    """
+
+    def __new__(
+        cls,
+        goal: Literal["laplace", "worst", "even"],
+        surface: PatchSurface,
+        tolerance: float,
+        least_corner: float,
+        scoring: Scoring,
+    ) -> NodeSearch: ...
+    def optimise(self, points: Floats, elements: Ints, nodes: Ints) -> Floats:
+        """(N, 3) places once some nodes have moved to where the elements around them are better.
+
+        The mesh may be the part of another that is all elements around them, which close around
+        each.
+        """
+
+    def slide(
+        self, points: Floats, elements: Ints, nodes: Ints, curves: Curves, shift: float
+    ) -> Floats:
+        """(N, 3) places once some nodes have moved, those on a border along it.
+
+        Along a border of which each element fails alike, no node can do anything alone: `shift`, of
+        its edges, is what all border nodes beside failing elements do at first.
+        """
+
+def smooth_laplace(points: Floats, elements: Ints, first_free: int, sweeps: int) -> Floats:
+    """(N, 3) places once the nodes from a row on have moved towards the mean of their neighbours.
+
+    A node moves in the tangent plane of its elements, and only as far as the worst corner around it
+    does not get worse.
+    """
+
+def project(points: Floats, surface: PatchSurface) -> Floats:
+    """(N, 3) nearest places on a surface."""
+
+def relax_candidates(
+    candidates: Candidates, workpiece: Workpiece, most_elements: int, sweeps: int
+) -> tuple[Floats, Ints, Ints, Floats]:
+    """Smooth the new points, the moved nodes and the free nodes of the elements that come.
+
+    Each candidate on its own, on the surface; one that moves nodes of more than `most_elements`
+    stays as it is. Returns points, moved_start, moved and moved_to of the candidates.
+    """
 
 # --- recombination: trias to quads, quads to trias ------------------------------------------------
 

@@ -11,9 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
-from meshops._core import clip_ears, pack_parallelograms, split_quads, unite_trias, valid_elements
+from meshops._core import (
+    clip_ears,
+    pack_parallelograms,
+    smooth_laplace,
+    split_quads,
+    unite_trias,
+    valid_elements,
+)
 from meshops.errors import InputError
-from meshops.kernels.smoothing import smooth
 from meshops.mesh import NO_NODE, Floats, Ids, Ints, ShellMesh
 from meshops.outlines import Outlines, loops_of
 from meshops.patch import Patch, extract
@@ -163,9 +169,9 @@ def _mesh_zone(patch: Patch, outlines: Outlines, size: float) -> tuple[Floats, I
 def _quads(points: Floats, trias: Ints, border_nodes: int, surface: PatchSurface) -> Ints:
     """Pair trias to quads, those left alone too, and smooth; inner points change in place."""
     elements = recombine(points, trias)
-    smooth(points, elements, border_nodes, SMOOTHING_SWEEPS)
+    points[:] = smooth_laplace(points, elements, border_nodes, SMOOTHING_SWEEPS)
     elements = unite_trias(points, elements)
-    smooth(points, elements, border_nodes, SMOOTHING_SWEEPS)
+    points[:] = smooth_laplace(points, elements, border_nodes, SMOOTHING_SWEEPS)
     surface.project(points, border_nodes)
     sound = valid_elements(points, elements, LEAST_CORNER)
     return split_quads(points, elements, ~sound)

@@ -7,9 +7,14 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from meshops import _core
-from meshops._core import all_facing, has_doubles, split_quads, valid_elements
+from meshops._core import (
+    all_facing,
+    has_doubles,
+    smooth_laplace,
+    split_quads,
+    valid_elements,
+)
 from meshops.edit import Edit
-from meshops.kernels.smoothing import smooth
 from meshops.mesh import Floats, Ints
 from meshops.patch import Patch, extract, join, stitch
 from meshops.quality_sums import IRREGULAR, TALLY_SIZE
@@ -116,7 +121,7 @@ def remesh_patch(
     except RemeshError:
         return None
     elements = recombine(points, trias)
-    smooth(points, elements, patch.border_nodes, SMOOTHING_SWEEPS)
+    points = smooth_laplace(points, elements, patch.border_nodes, SMOOTHING_SWEEPS)
     reference.project(points, patch.border_nodes)
     sound = valid_elements(points, elements, LEAST_CORNER)
     if not sound.all():

@@ -15,6 +15,7 @@ from meshops._core import (
     bounding_spheres,
     nearest,
     plane_of,
+    project,
     unit_normals,
 )
 from meshops.mesh import NO_NODE, Floats, Ints
@@ -66,13 +67,7 @@ class PatchSurface:
 
     def project(self, points: Floats, first: int) -> None:
         """Bring the nodes from row `first` on back to the surface, in place."""
-        inner = points[first:]
-        if not len(inner):
-            return
-        if self.plane is not None:
-            inner -= np.outer((inner - self.points[0]) @ self.plane, self.plane)
-        else:
-            inner[:] = self._nearest(inner)[0]
+        points[first:] = project(points[first:], self)
 
     def normals_at(self, points: Floats, elements: Ints, tolerance: float) -> Floats | None:
         """(M, 3) surface normals under each element; None where one is farther off."""

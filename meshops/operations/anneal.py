@@ -12,6 +12,7 @@ from meshops._core import (
     AnnealingSite,
     Cooling,
     Ground,
+    NodeSearch,
     WantedSizes,
     all_facing,
     anneal,
@@ -20,8 +21,6 @@ from meshops._core import (
 )
 from meshops.edit import Edit
 from meshops.fitness import IRREGULARITY
-from meshops.kernels.node_scores import EVEN
-from meshops.kernels.optimising import optimise
 from meshops.mesh import NO_NODE, Floats, Ids, Ints
 from meshops.patch import Patch, components, extract, join, stitch
 from meshops.quality_sums import TALLY_SIZE
@@ -182,9 +181,8 @@ def _anneal_patch(workpiece: Workpiece, rows: Ints, heat: int, seed: int) -> Edi
         return Edit()
     points, elements = found[:2]
     inner = np.arange(fixed, len(points), dtype=np.int32)
-    plane = np.zeros(3) if surface.plane is None else surface.plane
-    ground = (surface.points, *near, tolerance, LEAST_CORNER)
-    optimise(points, elements, inner, EVEN, plane, ground, scoring.arrays)
+    search = NodeSearch("even", surface, tolerance, LEAST_CORNER, scoring.core)
+    points = search.optimise(points, elements, inner)
     if not _is_valid(workpiece, patch, points, elements, edge):
         return Edit()
     return stitch(workpiece.mesh, patch, points[fixed:], elements)

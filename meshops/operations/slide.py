@@ -7,12 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshops.edit import Edit
-from meshops.kernels.sliding import slide
 from meshops.mesh import Bools, Floats, Ints
-from meshops.operations.smooth import METHODS, SmoothSpace
+from meshops.operations.smooth import SmoothSpace
 from meshops.workpiece import Workpiece
-
-EVEN = METHODS.index("even")
 
 LINE_TOLERANCE = 0.005
 """Of a border edge: how far the new border may be from the old one. A hundredth is promised; it is
@@ -20,6 +17,25 @@ seen at a few points of an edge, between which it may be a little more."""
 
 SHIFTS = (0.0, 0.25, -0.25)
 """Of an edge: what all border nodes at failing elements do before each looks for its own place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """What border nodes slide along.
+
+    Attributes
+    ----------
+    neighbours : (n, 2) int32
+        The node before and after each that slides, along its border; elsewhere -1.
+    segments : (R, 6) float64
+        Both ends of each piece of the borders.
+    tolerance : float
+        How far from them a node and its border edges may be, of its shortest edge.
+    """
+
+    neighbours: Ints
+    segments: Floats
+    tolerance: float
 
 
 @dataclass(frozen=True)
@@ -71,16 +87,18 @@ class SlideSpace(SmoothSpace):
         """(N,) bool: nodes that may move."""
         return super().movable | self.slides
 
-    def move(self, points: Floats, elements: Ints, rows: Ints, moves: Bools, place: Ints) -> None:
-        """Move nodes of a place, in place; see `SmoothSpace.move`."""
+    def move(self, points: Floats, elements: Ints, rows: Ints, moves: Bools, place: Ints) -> Floats:
+        """(n, 3) places of the nodes of a place once they have moved; see `SmoothSpace.move`."""
         topology = self.workpiece.topology
         local = np.full(len(self.workpiece.mesh.points) + 1, -1, np.int32)
         local[rows] = np.arange(len(rows), dtype=np.int32)
         neighbours = np.where(
             (moves & self.slides[rows])[:, None], local[topology.border_neighbours[rows]], -1
         ).astype(np.int32)
-        slide(
-            points, elements, np.nonzero(moves)[0].astype(np.int32), EVEN, self.plane,
-            (neighbours, self.rails, LINE_TOLERANCE), SHIFTS[place[2]],
-            self.ground(points, elements), self.workpiece.setting.scoring.arrays,
-        )  # fmt: skip
+        return self.search(points, elements, "even").slide(
+            points,
+            elements,
+            np.nonzero(moves)[0].astype(np.int32),
+            Curves(neighbours, self.rails.reshape(-1, 6), LINE_TOLERANCE),
+            SHIFTS[place[2]],
+        )

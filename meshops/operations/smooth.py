@@ -7,8 +7,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from meshops._core import NodeSearch
 from meshops.edit import Edit
-from meshops.kernels.optimising import optimise
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
@@ -16,12 +16,10 @@ from meshops.workpiece import Workpiece
 Smoothing = Literal["laplace", "worst", "even"]
 
 METHODS: tuple[Smoothing, ...] = get_args(Smoothing)
-"""As the kernel numbers them."""
+"""As parameters number them."""
 
 RINGS = (1, 2, 3, 4)
 """Rings that a gene chooses of; parameters may have more."""
-
-NO_TRIAS = np.zeros((0, 3), np.int32)
 
 
 @dataclass(frozen=True)
@@ -71,11 +69,6 @@ class SmoothSpace:
         )
         self._edits: dict[bytes, Edit] = {}
         self._tallies: dict[bytes, Floats] = {}
-        surface = workpiece.surface
-        curved = surface.plane is None
-        self.plane: Floats = np.zeros(3) if surface.plane is None else surface.plane
-        self._trias = surface.trias if curved else NO_TRIAS
-        self._spheres = surface.spheres if curved else np.zeros((0, 4))
 
     def draw(self, rng: np.random.Generator, count: int) -> Ids:
         """Places near the worst elements more often than others, half of them alone."""
@@ -126,9 +119,7 @@ class SmoothSpace:
         rows = np.unique(elements[elements != NO_NODE])
         local = np.searchsorted(rows, elements).astype(np.int32)
         local[elements == NO_NODE] = NO_NODE
-        patch = points[rows]
-        self.move(patch, local, rows, nodes[rows], place)
-        points[rows] = patch
+        points[rows] = self.move(points[rows], local, rows, nodes[rows], place)
         moved = np.nonzero((points != mesh.points).any(axis=1))[0].astype(np.int32)
         return Edit(moved=moved, moved_to=points[moved])
 
@@ -148,8 +139,8 @@ class SmoothSpace:
         """(N,) bool: nodes that may move."""
         return self.workpiece.topology.free_nodes
 
-    def move(self, points: Floats, elements: Ints, rows: Ints, moves: Bools, place: Ints) -> None:
-        """Move nodes of a place, in place.
+    def move(self, points: Floats, elements: Ints, rows: Ints, moves: Bools, place: Ints) -> Floats:
+        """(n, 3) places of the nodes of a place once they have moved.
 
         Parameters
         ----------
@@ -161,25 +152,14 @@ class SmoothSpace:
             Which of them move.
         place : (3,) int32
         """
-        optimise(
-            points, elements, np.nonzero(moves)[0].astype(np.int32), int(place[2]), self.plane,
-            self.ground(points, elements), self.workpiece.setting.scoring.arrays,
-        )  # fmt: skip
+        search = self.search(points, elements, METHODS[place[2]])
+        return search.optimise(points, elements, np.nonzero(moves)[0].astype(np.int32))
 
-    def ground(self, points: Floats, elements: Ints) -> tuple[Floats, Ints, Floats, float, float]:
-        """Return the part of the surface that nodes of a place can reach, and its tolerance."""
-        edge = _mean_edge(points, elements)
-        low, high = points.min(axis=0) - edge, points.max(axis=0) + edge
-        centres, radius = self._spheres[:, :3], self._spheres[:, 3:]
-        near = ((centres + radius >= low) & (centres - radius <= high)).all(axis=1)
-        near |= not near.any()
-        return (
-            self.workpiece.surface.points,
-            self._trias[near],
-            self._spheres[near],
-            SURFACE_TOLERANCE * edge,
-            LEAST_CORNER,
-        )
+    def search(self, points: Floats, elements: Ints, method: Smoothing) -> NodeSearch:
+        """Prepare a search for the nodes of a place."""
+        tolerance = SURFACE_TOLERANCE * _mean_edge(points, elements)
+        surface, scoring = self.workpiece.surface, self.workpiece.setting.scoring
+        return NodeSearch(method, surface, tolerance, LEAST_CORNER, scoring.core)
 
 
 def _places(genome: Ids) -> Ints:

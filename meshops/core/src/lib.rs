@@ -11,6 +11,7 @@ pub mod operations;
 pub mod quality;
 pub mod recombination;
 pub mod rng;
+pub mod smoothing;
 pub mod surface;
 pub mod vectors;
 

@@ -96,22 +96,25 @@ pub fn area_vector_of(corners: &[Vector; 4]) -> Vector {
 pub fn corner_jacobian_min_of(corners: &[Vector; 4], is_tria: bool, normal: Vector) -> f64 {
     let [a, b, c, d] = *corners;
     let (ab, bc) = (subtract(b, a), subtract(c, b));
-    let (longest, lowest);
     if is_tria {
         let ca = subtract(a, c);
-        longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(ca, ca)]);
-        lowest = dot(cross(ab, bc), normal);
-    } else {
-        let (cd, da) = (subtract(d, c), subtract(a, d));
-        longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(cd, cd), dot(da, da)]);
-        lowest = least_of([
+        let longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(ca, ca)]);
+        return if longest > 0.0 { dot(cross(ab, bc), normal) / longest } else { 0.0 };
+    }
+    let (cd, da) = (subtract(d, c), subtract(a, d));
+    let longest = greatest_of([dot(ab, ab), dot(bc, bc), dot(cd, cd), dot(da, da)]);
+    if longest > 0.0 {
+        // within the branch: compilers pair the two searches otherwise, to the harm of both
+        let lowest = least_of([
             dot(cross(da, ab), normal),
             dot(cross(ab, bc), normal),
             dot(cross(bc, cd), normal),
             dot(cross(cd, da), normal),
         ]);
+        lowest / longest
+    } else {
+        0.0
     }
-    if longest > 0.0 { lowest / longest } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -136,10 +136,10 @@ impl Collar {
 
     /// Take the collar off the remeshed patch: border nodes first, where and as they were.
     ///
-    /// # Errors
-    /// Where the border is not what it was.
-    ///
     /// Trias name given points; `inside` is above 0.5 for those of the patch, one number each.
+    ///
+    /// # Errors
+    /// Where a coordinate is not finite, or the border is not what it was.
     pub fn take_off(
         &self,
         points: &[Vector],

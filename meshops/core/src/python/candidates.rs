@@ -17,6 +17,7 @@ use crate::operations::conflicts::Claims;
 use crate::operations::evaluation::{self, EvaluationMesh, SurfaceBound};
 use crate::quality::sums::SUMS;
 use crate::quality::{CRITERIA, QualitySums};
+use crate::smoothing::project::Target;
 use crate::surface::plane::extent;
 
 /// A mesh as Python has it.
@@ -82,8 +83,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for EvaluationArrays<'py> {
     }
 }
 
-/// What the evaluation of candidates needs of a `PatchSurface`.
-enum SurfaceArrays<'py> {
+/// What the core needs of a `PatchSurface`.
+pub enum SurfaceArrays<'py> {
     Plane { points: Rows<'py, f64, 3>, normal: List<'py, f64> },
     Facets(Bound<'py, PyFacetTree>),
 }
@@ -101,19 +102,27 @@ impl<'a, 'py> FromPyObject<'a, 'py> for SurfaceArrays<'py> {
 }
 
 impl SurfaceArrays<'_> {
-    fn bound(&self, plane_tolerance: f64, tolerance: f64) -> PyResult<SurfaceBound<'_>> {
+    /// What points come back to.
+    pub fn target(&self) -> PyResult<Target<'_>> {
         match self {
             Self::Plane { points, normal } => {
                 let points = points.rows();
                 require(!points.is_empty(), "a plane needs a point")?;
-                Ok(SurfaceBound::Plane {
-                    origin: points[0],
-                    normal: exactly(normal.items())?,
-                    tolerance: plane_tolerance * extent(points),
-                })
+                Ok(Target::Plane { origin: points[0], normal: exactly(normal.items())? })
             }
-            Self::Facets(tree) => Ok(SurfaceBound::Facets { facets: &tree.get().0, tolerance }),
+            Self::Facets(tree) => Ok(Target::Facets(&tree.get().0)),
         }
+    }
+
+    fn bound(&self, plane_tolerance: f64, tolerance: f64) -> PyResult<SurfaceBound<'_>> {
+        let tolerance = match self {
+            Self::Plane { points, .. } => plane_tolerance * extent(points.rows()),
+            Self::Facets(_) => tolerance,
+        };
+        Ok(match self.target()? {
+            Target::Plane { origin, normal } => SurfaceBound::Plane { origin, normal, tolerance },
+            Target::Facets(facets) => SurfaceBound::Facets { facets, tolerance },
+        })
     }
 }
 

@@ -12,6 +12,7 @@ mod mesh;
 mod meshing;
 mod quality;
 mod recombination;
+mod smoothing;
 mod strips;
 mod surface;
 
@@ -27,5 +28,6 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     quality::register(module)?;
     recombination::register(module)?;
     strips::register(module)?;
+    smoothing::register(module)?;
     surface::register(module)
 }
