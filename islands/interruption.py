@@ -13,7 +13,7 @@ class Interruption:
     """Takes the first signal as a wish to end, the second as an order to stop at once.
 
     A KeyboardInterrupt wherever the program happens to be can hit a library in the middle of its
-    work: numba, as it loads a compiled function, turns it into another error.
+    work, which may turn it into another error.
     """
 
     def __init__(self) -> None:

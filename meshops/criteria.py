@@ -165,7 +165,7 @@ class Criteria:
 
 @dataclass(frozen=True)
 class Scoring:
-    """Criteria at one target element size, as the arrays that the kernels take.
+    """Criteria at one target element size, as the arrays that the core takes.
 
     Attributes
     ----------

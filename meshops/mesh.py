@@ -121,7 +121,7 @@ class ShellMesh:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Make the arrays read-only again: kernels are compiled for arrays that are."""
+        """Make the arrays read-only again: a mesh never changes."""
         for array in state.values():
             array.flags.writeable = False
         self.__dict__.update(state)

@@ -304,7 +304,7 @@ def test_help_answers_at_once() -> None:
     imports = subprocess.run(
         [sys.executable, "-X", "importtime", *command[1:]], capture_output=True, text=True
     ).stderr
-    assert not {"numpy", "ray", "mlflow", "numba", "pymeshlab"} & {
+    assert not {"numpy", "ray", "mlflow", "pymeshlab"} & {
         line.rsplit("|", 1)[-1].strip() for line in imports.splitlines()
     }
     assert min(seconds) < 1.0  # a guard against heavy imports; the figure is in the README

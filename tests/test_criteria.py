@@ -1,9 +1,6 @@
 """Criteria sets and the files that they come from."""
 
-import os
 import pickle
-import subprocess
-import sys
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
@@ -280,8 +277,3 @@ def test_other_errors_of_files(tmp_path):
 def test_a_set_has_all_criteria_in_order():
     with pytest.raises(ValueError, match="in this order"):
         Criteria("short", STANDARD.criteria[:12])
-
-
-def test_criteria_load_without_the_compiler():
-    code = "import sys, meshops.criteria_files; sys.exit('numba' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], env=os.environ, check=False).returncode == 0

@@ -65,9 +65,6 @@ def faults_of(events: list[Event]) -> list[tuple[int, int, str]]:
 def sound(mesh: ShellMesh, tmp_path_factory: pytest.TempPathFactory) -> dict[Make, Finished]:
     """What the same operations lead to in one process, without any harm."""
     folder = tmp_path_factory.mktemp("none")
-    for make in (job, whole_job):
-        # on a fresh install workers compile what arrays from the store ask for: no hang
-        finish(with_faults(make(mesh, islands=2, backend="ray"), "none", 0, folder))
     return {
         make: finish(with_faults(make(mesh, islands=2), "none", 0, folder))
         for make in (job, whole_job)

@@ -103,7 +103,6 @@ def test_processes_find_what_one_process_finds(mesh: ShellMesh) -> None:
         runner.close()
     assert [outcome.mesh for outcome, _, _ in there] == [outcome.mesh for outcome, _, _ in here]
     assert [found.digest for _, found, _ in there] == [found.digest for _, found, _ in here]
-    # kernels are compiled for arrays that are read-only
     assert not any(found.points.flags.writeable for _, found, _ in there)
 
 

@@ -83,7 +83,7 @@ class Candidates:
 
     @property
     def arrays(self) -> CandidateArrays:
-        """All arrays, in the order of the attributes: the first arguments of the kernels."""
+        """All arrays, in the order of the attributes."""
         return (
             self.removed_start,
             self.removed,

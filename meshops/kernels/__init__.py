@@ -1,1 +1,0 @@
-"""The hot loops, compiled by numba: plain arrays in, plain arrays out."""
