@@ -11,9 +11,10 @@ use super::candidates::{CandidateArrays, MeshArrays, SurfaceArrays};
 use super::quality::PyScoring;
 use crate::mesh::Element;
 use crate::quality::node_score::Goal;
+use crate::smoothing::laplace::Laplace;
 use crate::smoothing::relax::Relaxation;
 use crate::smoothing::slide_on_curves::{self, Curves};
-use crate::smoothing::{Objective, laplace, optimise};
+use crate::smoothing::{Objective, optimise};
 use crate::vectors::Vector;
 
 type RelaxedArrays<'py> = (Table<'py, f64>, Array<'py, i32>, Array<'py, i32>, Table<'py, f64>);
@@ -190,7 +191,7 @@ fn smooth_laplace<'py>(
 ) -> PyResult<Table<'py, f64>> {
     let (mut points, elements) = (points.rows().to_vec(), elements.rows());
     check_elements(elements, points.len())?;
-    py.detach(|| laplace::smooth(&mut points, elements, first_free, sweeps));
+    py.detach(|| Laplace::default().smooth(&mut points, elements, first_free, sweeps));
     to_rows(py, points)
 }
 

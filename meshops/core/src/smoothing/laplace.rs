@@ -5,9 +5,7 @@
 //! half or a quarter of it, and within the tangent plane of its elements. Free nodes come last. The
 //! cost grows with the sweeps times the elements around free nodes.
 
-use crate::mesh::csr::Csr;
-use crate::mesh::node_elements::elements_of_nodes;
-use crate::mesh::{Element, following, is_tria, preceding, size_of};
+use crate::mesh::{Element, following, is_tria, preceding};
 use crate::vectors::{
     Vector, add, area_vector_of, corner_jacobian_min_of, corners_of, dot, scale, subtract, unit,
 };
@@ -33,34 +31,95 @@ impl Shape {
     }
 }
 
-/// Move nodes from row `first_free` on towards the mean of their neighbours.
-pub fn smooth(points: &mut [Vector], elements: &[Element], first_free: usize, sweeps: usize) {
-    if first_free >= points.len() {
-        return;
-    }
-    let around = elements_of_nodes(elements, points.len());
-    let neighbours = neighbours_by_element(elements, &around, first_free);
-    let mut shapes: Vec<Shape> =
-        elements.iter().map(|element| Shape::of(points, *element)).collect();
-    let mut moved = Vec::new();
-    for _ in 0..sweeps {
-        for node in first_free..points.len() {
-            let rows = around.list(node);
-            let Some(worst) = worst_of(&shapes, rows) else { continue };
-            let places = around.start[node] as usize..around.start[node + 1] as usize;
-            let old = points[node];
-            let mut step = tangent_step(points, &shapes, rows, &neighbours[places], node);
-            for _ in 0..TRIALS {
-                points[node] = add(old, step);
-                if keeps(points, elements, rows, &worst, &mut moved) {
-                    for (row, shape) in rows.iter().zip(&moved) {
-                        shapes[*row as usize] = *shape;
-                    }
-                    break;
-                }
-                points[node] = old;
-                step = scale(step, 0.5);
+/// A free node in one of the elements around it.
+#[derive(Clone, Copy, Debug)]
+struct Spoke {
+    /// Row of the element.
+    row: usize,
+    /// The nodes after and before it.
+    neighbours: [i32; 2],
+}
+
+/// Smoothing of one mesh after another, for which memory is taken once.
+#[derive(Clone, Debug, Default)]
+pub struct Laplace {
+    /// Where the spokes of each free node start, and last where those of the last one end.
+    start: Vec<usize>,
+    spokes: Vec<Spoke>,
+    /// Of all elements as they are.
+    shapes: Vec<Shape>,
+    /// Of the elements around a node in the trial at hand.
+    moved: Vec<Shape>,
+}
+
+impl Laplace {
+    /// Move nodes from row `first_free` on towards the mean of their neighbours.
+    pub fn smooth(
+        &mut self,
+        points: &mut [Vector],
+        elements: &[Element],
+        first_free: usize,
+        sweeps: usize,
+    ) {
+        if first_free >= points.len() {
+            return;
+        }
+        self.find_spokes(elements, first_free, points.len());
+        self.shapes.clear();
+        self.shapes.extend(elements.iter().map(|element| Shape::of(points, *element)));
+        for _ in 0..sweeps {
+            for node in first_free..points.len() {
+                self.visit(points, elements, node, node - first_free);
             }
+        }
+    }
+
+    /// Find the elements around the free nodes.
+    fn find_spokes(&mut self, elements: &[Element], first_free: usize, nodes: usize) {
+        let Self { start, spokes, .. } = self;
+        let is_free = |node: i32| node >= 0 && node as usize >= first_free;
+        start.clear();
+        start.resize(nodes - first_free + 1, 0);
+        for node in elements.as_flattened().iter().filter(|node| is_free(**node)) {
+            start[*node as usize - first_free] += 1;
+        }
+        // each list is filled from its end, so that its start is known then
+        let mut end = 0;
+        for count in start.iter_mut() {
+            end += *count;
+            *count = end;
+        }
+        spokes.clear();
+        spokes.resize(end, Spoke { row: 0, neighbours: [0; 2] });
+        for (row, element) in elements.iter().enumerate().rev() {
+            for node in element.iter().filter(|node| is_free(**node)) {
+                let place = &mut start[*node as usize - first_free];
+                *place -= 1;
+                // a node that comes twice is taken where it comes last
+                let own = element.iter().rposition(|same| same == node).unwrap_or_default();
+                let neighbours = [following(*element, own), preceding(*element, own)];
+                spokes[*place] = Spoke { row, neighbours: neighbours.map(|k| element[k]) };
+            }
+        }
+    }
+
+    /// Move one free node, the number of which is given too.
+    #[inline]
+    fn visit(&mut self, points: &mut [Vector], elements: &[Element], node: usize, number: usize) {
+        let spokes = &self.spokes[self.start[number]..self.start[number + 1]];
+        let Some(worst) = worst_of(&self.shapes, spokes) else { return };
+        let old = points[node];
+        let mut step = tangent_step(points, &self.shapes, spokes, node);
+        for _ in 0..TRIALS {
+            points[node] = add(old, step);
+            if keeps(points, elements, spokes, &worst, &mut self.moved) {
+                for (spoke, shape) in spokes.iter().zip(&self.moved) {
+                    self.shapes[spoke.row] = *shape;
+                }
+                return;
+            }
+            points[node] = old;
+            step = scale(step, 0.5);
         }
     }
 }
@@ -72,13 +131,13 @@ struct Worst {
 }
 
 #[inline]
-fn worst_of(shapes: &[Shape], rows: &[i32]) -> Option<Worst> {
-    if rows.is_empty() {
+fn worst_of(shapes: &[Shape], spokes: &[Spoke]) -> Option<Worst> {
+    if spokes.is_empty() {
         return None;
     }
     let mut worst = Worst { corner: 1.0, place: 0 };
-    for (place, row) in rows.iter().enumerate() {
-        let corner = shapes[*row as usize].corner;
+    for (place, spoke) in spokes.iter().enumerate() {
+        let corner = shapes[spoke.row].corner;
         if corner < worst.corner {
             worst = Worst { corner, place };
         }
@@ -86,39 +145,16 @@ fn worst_of(shapes: &[Shape], rows: &[i32]) -> Option<Worst> {
     Some(worst)
 }
 
-/// The nodes after and before each free node, in each element around it.
-fn neighbours_by_element(elements: &[Element], around: &Csr, first_free: usize) -> Vec<[i32; 2]> {
-    let mut neighbours = vec![[0; 2]; around.items.len()];
-    for node in first_free..around.len() {
-        for i in around.start[node] as usize..around.start[node + 1] as usize {
-            let element = elements[around.items[i] as usize];
-            for k in 0..size_of(element) {
-                if element[k] == node as i32 {
-                    neighbours[i] =
-                        [following(element, k), preceding(element, k)].map(|k| element[k]);
-                }
-            }
-        }
-    }
-    neighbours
-}
-
 /// From a node to the mean of its neighbours, within the tangent plane of its elements.
 #[inline]
-fn tangent_step(
-    points: &[Vector],
-    shapes: &[Shape],
-    rows: &[i32],
-    neighbours: &[[i32; 2]],
-    node: usize,
-) -> Vector {
+fn tangent_step(points: &[Vector], shapes: &[Shape], spokes: &[Spoke], node: usize) -> Vector {
     let (mut normal, mut total) = ([0.0; 3], [0.0; 3]);
-    for (row, [after, before]) in rows.iter().zip(neighbours) {
-        normal = add(normal, shapes[*row as usize].area);
+    for Spoke { row, neighbours: [after, before] } in spokes {
+        normal = add(normal, shapes[*row].area);
         total = add(total, points[*after as usize]);
         total = add(total, points[*before as usize]);
     }
-    let step = subtract(scale(total, 1.0 / (2 * rows.len()) as f64), points[node]);
+    let step = subtract(scale(total, 1.0 / (2 * spokes.len()) as f64), points[node]);
     let normal = unit(normal);
     subtract(step, scale(normal, dot(step, normal)))
 }
@@ -128,22 +164,22 @@ fn tangent_step(
 fn keeps(
     points: &[Vector],
     elements: &[Element],
-    rows: &[i32],
+    spokes: &[Spoke],
     worst: &Worst,
     shapes: &mut Vec<Shape>,
 ) -> bool {
     // most places that are no good are so for the element that is the worst now
-    let first = Shape::of(points, elements[rows[worst.place] as usize]);
+    let first = Shape::of(points, elements[spokes[worst.place].row]);
     if first.corner < worst.corner {
         return false;
     }
     shapes.clear();
-    for (place, row) in rows.iter().enumerate() {
+    for (place, spoke) in spokes.iter().enumerate() {
         if place == worst.place {
             shapes.push(first);
             continue;
         }
-        let shape = Shape::of(points, elements[*row as usize]);
+        let shape = Shape::of(points, elements[spoke.row]);
         if shape.corner < worst.corner {
             return false;
         }
@@ -175,7 +211,7 @@ mod tests {
                 elements.iter().map(|element| own_corner(points, *element)).fold(1.0, f64::min)
             };
             let before = worst(&points);
-            smooth(&mut points, &elements, 8, 3);
+            Laplace::default().smooth(&mut points, &elements, 8, 3);
             prop_assert!(worst(&points) >= before);
         }
     }
@@ -183,7 +219,7 @@ mod tests {
     #[test]
     fn a_node_goes_to_the_middle() {
         let (mut points, elements) = cross([1.25, 0.75, 0.0]);
-        smooth(&mut points, &elements, 8, 1);
+        Laplace::default().smooth(&mut points, &elements, 8, 1);
         assert_eq!(points[8], [1.0, 1.0, 0.0]);
     }
 }

@@ -5,7 +5,7 @@
 //! that come are smoothed ([`super::laplace`], Freitag 1997), each candidate on its own, so that
 //! the cost grows with the elements around these nodes; and once with the nodes of the mesh.
 
-use super::laplace::smooth;
+use super::laplace::Laplace;
 use crate::mesh::Element;
 use crate::mesh::csr::CsrView;
 use crate::operations::candidates::{Candidate, Candidates};
@@ -64,6 +64,7 @@ struct Scratch {
     nodes: Vec<i32>,
     /// Its place.
     points: Vec<Vector>,
+    laplace: Laplace,
 }
 
 impl Relaxation<'_> {
@@ -151,10 +152,10 @@ impl Relaxation<'_> {
     /// Smooth the nodes that move.
     fn smooth(&self, k: i32, scratch: &mut Scratch) {
         let fixed = scratch.number(k);
-        let Scratch { places, local, nodes, points, .. } = scratch;
+        let Scratch { places, local, nodes, points, laplace, .. } = scratch;
         points.clear();
         points.extend(nodes.iter().map(|node| places[*node as usize]));
-        smooth(points, local, fixed, self.sweeps);
+        laplace.smooth(points, local, fixed, self.sweeps);
         for (node, place) in nodes.iter().zip(points).skip(fixed) {
             places[*node as usize] = *place;
         }
@@ -177,6 +178,7 @@ impl Scratch {
             local: Vec::new(),
             nodes: Vec::new(),
             points: Vec::new(),
+            laplace: Laplace::default(),
         }
     }
 
