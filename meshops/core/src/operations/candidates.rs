@@ -72,6 +72,7 @@ impl<'a> Candidates<'a> {
     }
 }
 
+/// What belongs to candidate `k`.
 #[inline]
 fn part<'a, T>(start: &[i32], items: &'a [T], k: usize) -> &'a [T] {
     &items[start[k] as usize..start[k + 1] as usize]

@@ -9,12 +9,10 @@
 //! and come and with those around their nodes; scratch grows with the mesh, but is made once.
 
 use super::candidates::Candidate;
+use super::sides::{NodeMarks, Sides};
 use crate::mesh::csr::CsrView;
 use crate::mesh::element_graph::ElementGraph;
 use crate::mesh::{Element, following, size_of};
-
-/// Ends a list of sides.
-const NONE: u32 = u32::MAX;
 
 /// A mesh in which cavities are opened.
 #[derive(Clone, Copy, Debug)]
@@ -31,54 +29,6 @@ pub struct CavityMesh<'a> {
     pub free: &'a [bool],
 }
 
-/// Which candidate last marked a node, and the first of its sides that leaves the node.
-#[derive(Clone, Copy, Debug, Default)]
-struct NodeMark {
-    candidate: u32,
-    first_side: u32,
-}
-
-/// Directed sides of elements; those that leave the same node are chained.
-#[derive(Clone, Debug, Default)]
-struct Sides {
-    sides: Vec<Side>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Side {
-    /// Where it leads to.
-    end: i32,
-    /// The element that it is of.
-    element: u32,
-    /// The next side that leaves the same node.
-    next: u32,
-}
-
-impl Sides {
-    fn push(&mut self, mark: &mut NodeMark, end: i32, element: usize) {
-        let side = Side { end, element: element as u32, next: mark.first_side };
-        mark.first_side = self.sides.len() as u32;
-        self.sides.push(side);
-    }
-
-    /// Sides that leave a node, by its mark.
-    #[inline]
-    fn leaving(&self, mark: NodeMark) -> impl Iterator<Item = &Side> {
-        let mut at = mark.first_side;
-        std::iter::from_fn(move || {
-            let side = self.sides.get(at as usize)?;
-            at = side.next;
-            Some(side)
-        })
-    }
-
-    /// How many sides lead from a node to another one.
-    #[inline]
-    fn count(&self, mark: NodeMark, end: i32) -> usize {
-        self.leaving(mark).filter(|side| side.end == end).count()
-    }
-}
-
 /// Scratch for candidates of one mesh.
 pub struct CavityChecker<'a> {
     mesh: CavityMesh<'a>,
@@ -87,8 +37,8 @@ pub struct CavityChecker<'a> {
     /// The candidate that last took out an element.
     gone: Vec<u32>,
     /// Nodes of the elements that go, and of those that come.
-    leaving: Vec<NodeMark>,
-    coming: Vec<NodeMark>,
+    leaving: NodeMarks,
+    coming: NodeMarks,
     /// The candidate that last moved a node.
     moving: Vec<u32>,
     /// The border of what goes, and all sides of what comes.
@@ -104,8 +54,8 @@ impl<'a> CavityChecker<'a> {
             mesh,
             candidate: 0,
             gone: vec![0; mesh.elements.len()],
-            leaving: vec![NodeMark::default(); nodes],
-            coming: vec![NodeMark::default(); nodes + most_points],
+            leaving: NodeMarks::new(nodes),
+            coming: NodeMarks::new(nodes + most_points),
             moving: vec![0; nodes],
             outline: Sides::default(),
             sides: Sides::default(),
@@ -130,8 +80,8 @@ impl<'a> CavityChecker<'a> {
         {
             return false;
         }
-        self.outline.sides.clear();
-        self.sides.sides.clear();
+        self.outline.clear();
+        self.sides.clear();
         let Some(leaving) = self.take_out(candidate.removed) else { return false };
         let Some(coming) = self.put_in(candidate) else { return false };
         if !self.may_move(candidate.moved) {
@@ -160,7 +110,7 @@ impl<'a> CavityChecker<'a> {
             *gone = self.candidate;
             let element = self.mesh.elements[*row as usize];
             for node in &element[..size_of(element)] {
-                nodes += usize::from(mark(&mut self.leaving[*node as usize], self.candidate));
+                nodes += usize::from(self.leaving.add(*node, self.candidate));
             }
         }
         Some(nodes)
@@ -168,7 +118,7 @@ impl<'a> CavityChecker<'a> {
 
     /// Mark the nodes of the elements that come and list their sides; how many nodes these are.
     fn put_in(&mut self, candidate: &Candidate<'_>) -> Option<usize> {
-        let old = self.leaving.len();
+        let old = self.mesh.around.len();
         let mut nodes = 0;
         for (row, element) in candidate.added.iter().enumerate() {
             let size = size_of(*element);
@@ -176,15 +126,14 @@ impl<'a> CavityChecker<'a> {
                 let node = element[corner];
                 if node < 0
                     || node as usize >= old + candidate.points.len()
-                    || ((node as usize) < old
-                        && self.leaving[node as usize].candidate != self.candidate)
+                    || ((node as usize) < old && !self.leaving.has(node, self.candidate))
                     || element[..corner].contains(&node)
                 {
                     return None;
                 }
-                let coming = &mut self.coming[node as usize];
-                nodes += usize::from(mark(coming, self.candidate));
-                self.sides.push(coming, element[following(*element, corner)], row);
+                nodes += usize::from(self.coming.add(node, self.candidate));
+                let end = element[following(*element, corner)];
+                self.sides.push(&mut self.coming, node, end, row);
             }
         }
         Some(nodes)
@@ -193,12 +142,12 @@ impl<'a> CavityChecker<'a> {
     /// Whether nodes may move: they are free, they stay, and none is named twice.
     fn may_move(&mut self, moved: &[i32]) -> bool {
         moved.iter().all(|node| {
-            let node = *node as usize;
-            let is_first = self.moving[node] != self.candidate;
-            self.moving[node] = self.candidate;
-            let vanishes = self.leaving[node].candidate == self.candidate
-                && self.coming[node].candidate != self.candidate;
-            is_first && self.mesh.free[node] && !vanishes
+            let moving = &mut self.moving[*node as usize];
+            let is_first = *moving != self.candidate;
+            *moving = self.candidate;
+            let vanishes =
+                self.leaving.has(*node, self.candidate) && !self.coming.has(*node, self.candidate);
+            is_first && self.mesh.free[*node as usize] && !vanishes
         })
     }
 
@@ -224,8 +173,8 @@ impl<'a> CavityChecker<'a> {
                     inner += 1;
                     continue;
                 }
-                let start = &mut self.leaving[element[side] as usize];
-                self.outline.push(start, element[following(element, side)], 0);
+                let (start, end) = (element[side], element[following(element, side)]);
+                self.outline.push(&mut self.leaving, start, end, 0);
             }
         }
         Some(inner / 2)
@@ -236,29 +185,30 @@ impl<'a> CavityChecker<'a> {
     /// None where its border is not the outline, where two sides run in the same direction, or where
     /// an element that stays has an edge that is new inside.
     fn match_sides(&self, added: &[Element]) -> Option<usize> {
+        let nodes = self.mesh.around.len();
         let (mut inner, mut on_border) = (0, 0);
         for element in added {
             for corner in 0..size_of(*element) {
                 let (start, end) = (element[corner], element[following(*element, corner)]);
-                if self.sides.count(self.coming[start as usize], end) != 1 {
+                if self.sides.count(&self.coming, start, end) != 1 {
                     return None;
                 }
-                if self.sides.count(self.coming[end as usize], start) > 0 {
+                if self.sides.count(&self.coming, end, start) > 0 {
                     // seen from either side
                     inner += 1;
                     if start < end && !self.is_new(start, end) {
                         return None;
                     }
                 } else {
-                    let leaving = self.leaving.get(start as usize)?;
-                    if self.outline.count(*leaving, end) != 1 {
+                    let is_old = (start as usize) < nodes;
+                    if !is_old || self.outline.count(&self.leaving, start, end) != 1 {
                         return None;
                     }
                     on_border += 1;
                 }
             }
         }
-        if on_border == self.outline.sides.len() { Some(inner / 2) } else { None }
+        if on_border == self.outline.len() { Some(inner / 2) } else { None }
     }
 
     /// Whether no element that stays has the edge between two nodes.
@@ -278,7 +228,7 @@ impl<'a> CavityChecker<'a> {
         added.iter().enumerate().any(|(row, element)| {
             // a double misses at most one corner
             element[..2].iter().any(|node| {
-                let coming = self.sides.leaving(self.coming[*node as usize]);
+                let coming = self.sides.leaving(&self.coming, *node);
                 let mut others = coming.map(|side| side.element as usize);
                 if others.any(|other| other != row && is_double(*element, added[other])) {
                     return true;
@@ -298,23 +248,13 @@ impl<'a> CavityChecker<'a> {
         removed.iter().all(|row| {
             let element = self.mesh.elements[*row as usize];
             element[..size_of(element)].iter().all(|node| {
-                let node = *node as usize;
-                self.coming[node].candidate == self.candidate
-                    || (self.mesh.free[node]
-                        && self.mesh.around.list(node).iter().all(|other| self.is_gone(*other)))
+                let users = self.mesh.around.list(*node as usize);
+                self.coming.has(*node, self.candidate)
+                    || (self.mesh.free[*node as usize]
+                        && users.iter().all(|other| self.is_gone(*other)))
             })
         })
     }
-}
-
-/// Mark a node; whether it was not marked yet.
-#[inline]
-fn mark(node: &mut NodeMark, candidate: u32) -> bool {
-    if node.candidate == candidate {
-        return false;
-    }
-    *node = NodeMark { candidate, first_side: NONE };
-    true
 }
 
 /// Whether an element has the edge between two nodes.
@@ -336,4 +276,81 @@ fn is_double(one: Element, other: Element) -> bool {
         }
     }
     shared >= size_of(one).min(size_of(other))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::edges::find_edges;
+    use crate::mesh::node_elements::elements_of_nodes;
+    use proptest::prelude::*;
+
+    const NODES: usize = 16;
+
+    /// Three rows of three quads.
+    fn lattice() -> Vec<Element> {
+        let corner = |i: i32| 4 * (i / 3) + i % 3;
+        (0..9).map(corner).map(|a| [a, a + 1, a + 5, a + 4]).collect()
+    }
+
+    fn is_whole(removed: &[i32], added: &[Element], moved: &[i32], points: usize) -> bool {
+        let elements = lattice();
+        let edges = find_edges(&elements, NODES);
+        let around = elements_of_nodes(&elements, NODES);
+        let free: Vec<bool> = (0..NODES).map(|node| [5, 6, 9, 10].contains(&node)).collect();
+        let mesh = CavityMesh {
+            elements: &elements,
+            around: around.view(),
+            graph: ElementGraph {
+                element_edges: &edges.of_elements,
+                edge_elements: &edges.elements,
+                crossable: &edges.opposed,
+            },
+            zones: &[0; 9],
+            free: &free,
+        };
+        let (points, moved_to) = (vec![[0.0; 3]; points], vec![[0.0; 3]; moved.len()]);
+        let candidate = Candidate { removed, added, points: &points, moved, moved_to: &moved_to };
+        let mut checker = CavityChecker::new(mesh, points.len());
+        // the one before leaves no trace
+        checker.is_whole(&Candidate { removed: &[0, 1, 2, 4], added: &lattice(), ..candidate });
+        checker.is_whole(&candidate)
+    }
+
+    #[test]
+    fn a_cavity_may_be_filled_in_another_way() {
+        assert!(is_whole(&[4], &[[5, 6, 10, -1], [5, 10, 9, -1]], &[5], 0));
+        let around_a_new_node = [[5, 6, 16, -1], [6, 10, 16, -1], [10, 9, 16, -1], [9, 5, 16, -1]];
+        assert!(is_whole(&[4], &around_a_new_node, &[], 1));
+        assert!(is_whole(&[], &[], &[5, 6], 0));
+    }
+
+    #[test]
+    fn what_would_tear_or_lap_is_refused() {
+        assert!(!is_whole(&[4], &[], &[], 0));
+        assert!(!is_whole(&[4], &[[5, 6, 10, -1]], &[], 0));
+        assert!(!is_whole(&[4], &[[6, 5, 9, 10]], &[], 0));
+        assert!(!is_whole(&[], &[[5, 6, 10, 9]], &[], 0));
+        assert!(!is_whole(&[4, 4], &[[5, 6, 10, 9]], &[], 0));
+        assert!(!is_whole(&[4], &[[5, 6, 10, 16]], &[], 0));
+        assert!(!is_whole(&[], &[], &[0], 0));
+        assert!(!is_whole(&[], &[], &[5, 5], 0));
+    }
+
+    proptest! {
+        #[test]
+        fn nonsense_is_refused_and_what_was_there_may_stay(
+            rows in prop::collection::vec(0i32..9, 1..4),
+            added in prop::collection::vec(prop::array::uniform4(-2i32..19), 0..5),
+            moved in prop::collection::vec(0i32..16, 0..3),
+        ) {
+            if is_whole(&rows, &added, &moved, 2) {
+                let nodes: usize = added.iter().map(|element| size_of(*element)).sum();
+                prop_assert!(nodes >= 4);
+            }
+            let same: Vec<Element> = rows.iter().map(|row| lattice()[*row as usize]).collect();
+            let distinct = (1..rows.len()).all(|k| !rows[..k].contains(&rows[k]));
+            prop_assert_eq!(is_whole(&rows, &same, &[], 0), distinct);
+        }
+    }
 }

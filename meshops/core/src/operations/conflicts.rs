@@ -114,6 +114,7 @@ struct Listing {
 }
 
 impl Listing {
+    /// Note that the candidate at hand needs a node or an element.
     #[inline]
     fn claim(&mut self, what: usize) {
         if self.claimed_by[what] == self.candidate {

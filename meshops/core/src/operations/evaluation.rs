@@ -102,6 +102,7 @@ struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
+    /// Make ready for candidates that have up to so many new points.
     fn new(mesh: EvaluationMesh<'a>, most_points: usize) -> Self {
         let (nodes, elements) = (mesh.points.len(), mesh.cavity.elements.len());
         let mut places = Vec::with_capacity(nodes + most_points);
@@ -120,6 +121,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
+    /// Sums of the mesh after one candidate; none where that is not valid.
     fn evaluate(&mut self, candidate: &Candidate<'_>) -> Option<QualitySums> {
         if !self.cavity.is_whole(candidate) {
             return None;
@@ -259,6 +261,7 @@ impl<'a> Evaluator<'a> {
 }
 
 impl Known {
+    /// Look at an element.
     fn of(points: &[Vector], element: Element) -> Self {
         let area = area_vector(points, element);
         let corner = corner_jacobian_min(points, element, unit(area));
@@ -273,6 +276,7 @@ fn is_sound(points: &[Vector], element: Element, normal: Vector, least_corner: f
     dot(own, normal) >= FACING && corner_jacobian_min(points, element, own) >= least_corner
 }
 
+/// Whether two elements have a node in common.
 #[inline]
 fn shares_a_node(one: Element, other: Element) -> bool {
     let mut shares = false;

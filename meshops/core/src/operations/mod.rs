@@ -12,4 +12,5 @@ pub mod open_diagonal;
 pub mod pair_polygon;
 pub mod replace_node;
 pub mod selection;
+mod sides;
 pub mod swap_edge;

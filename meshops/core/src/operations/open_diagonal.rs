@@ -39,6 +39,7 @@ pub fn open_diagonals(
     list
 }
 
+/// Add the candidate that opens a node at edge `way`, and end no candidate.
 fn open(
     node: i32,
     way: usize,

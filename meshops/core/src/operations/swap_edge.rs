@@ -42,6 +42,7 @@ pub fn swap_edges(elements: &[Element], pairs: &[[i32; 2]]) -> CandidateList {
     list
 }
 
+/// The node at a place of a polygon.
 fn at(polygon: &PairPolygon, place: i32) -> i32 {
     if place < 0 { NO_NODE } else { polygon.nodes[place as usize] }
 }

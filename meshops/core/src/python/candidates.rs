@@ -4,12 +4,13 @@ use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 
 use super::arrays::{
-    Array, Grid, List, Rows, Table, attribute, check_elements, check_lists, check_rows,
-    check_starts, require, to_list, to_rows,
+    Array, Grid, List, Rows, Table, attribute, check_elements, check_elements_around,
+    check_elements_at, check_lists, check_rows, check_starts, require, to_list, to_rows,
 };
 use super::mesh::PyElementGraph;
 use super::quality::{PyScoring, exactly};
 use super::surface::PyFacetTree;
+use crate::mesh::Element;
 use crate::mesh::csr::CsrView;
 use crate::operations::candidates::{CandidateList, Candidates};
 use crate::operations::cavity::CavityMesh;
@@ -19,6 +20,9 @@ use crate::quality::sums::SUMS;
 use crate::quality::{CRITERIA, QualitySums};
 use crate::smoothing::project::Target;
 use crate::surface::plane::extent;
+
+/// How many elements of a mesh are looked at as fast as one that is touched.
+const MANY: usize = 16;
 
 /// A mesh as Python has it.
 pub struct MeshArrays<'py> {
@@ -189,6 +193,26 @@ impl CandidateArrays<'_> {
     }
 }
 
+/// All elements that candidates have to do with name nodes, and the lists around nodes are sound.
+///
+/// Of a large mesh only what is touched is looked at.
+fn check_touched<'a>(
+    candidates: &Candidates<'_>,
+    elements: &[Element],
+    around: &'a (List<'_, i32>, List<'_, i32>),
+    nodes: usize,
+) -> PyResult<CsrView<'a>> {
+    let (removed, moved) = (candidates.removed.items, candidates.moved.items);
+    if MANY * (removed.len() + moved.len()) > elements.len() {
+        check_elements(elements, nodes)?;
+        return check_lists(around, nodes, elements.len());
+    }
+    check_elements_at(removed, elements, nodes)?;
+    let corners = removed.iter().flat_map(|row| elements[*row as usize]);
+    let corners = corners.filter(|node| *node >= 0);
+    check_elements_around(around, corners.chain(moved.iter().copied()), elements, nodes)
+}
+
 /// Candidates as the arrays of a `Candidates`, in their order.
 pub type ListedCandidates<'py> = (
     Array<'py, i32>,
@@ -230,8 +254,8 @@ fn evaluate_candidates<'py>(
     surface_tolerance: f64,
 ) -> PyResult<Table<'py, f64>> {
     let (points, elements) = (workpiece.mesh.points.rows(), workpiece.mesh.elements.rows());
-    check_elements(elements, points.len())?;
-    let around = check_lists(&workpiece.around, points.len(), elements.len())?;
+    let candidates = candidates.candidates(elements.len(), points.len())?;
+    let around = check_touched(&candidates, elements, &workpiece.around, points.len())?;
     let topology = &workpiece.topology;
     let (zones, free) = (topology.zones.items(), topology.free_nodes.items());
     let graph = topology.graph.get().view();
@@ -241,7 +265,6 @@ fn evaluate_candidates<'py>(
     let (outside, measures) = (workpiece.outside.items(), workpiece.values.rows());
     require(outside.len() == points.len(), "each node needs one number of elements outside")?;
     require(measures.len() == elements.len(), "each element needs one row of measures")?;
-    let candidates = candidates.candidates(elements.len(), points.len())?;
     let mesh = EvaluationMesh {
         points,
         cavity: CavityMesh { elements, around, graph, zones, free },
@@ -272,9 +295,8 @@ impl PyClaims {
         around: (List<'_, i32>, List<'_, i32>),
     ) -> PyResult<Self> {
         let (elements, nodes) = (elements.rows(), around.0.items().len().saturating_sub(1));
-        check_elements(elements, nodes)?;
-        let around = check_lists(&around, nodes, elements.len())?;
         let candidates = candidates.candidates(elements.len(), nodes)?;
+        let around = check_touched(&candidates, elements, &around, nodes)?;
         Ok(Self(py.detach(|| Claims::of(candidates, elements, around))))
     }
 

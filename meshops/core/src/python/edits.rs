@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 
 use super::arrays::{
-    Array, Grid, List, Rows, Table, attribute, check_elements, check_lists, check_rows, require,
-    to_list, to_rows,
+    Array, Grid, List, Rows, Table, attribute, check_elements, check_elements_around,
+    check_elements_at, check_rows, require, to_list, to_rows,
 };
 use super::candidates::{ListedCandidates, MeshArrays, NO_MESH, to_candidates};
 use super::quality::{PyScoring, exactly};
@@ -50,14 +50,14 @@ fn evaluate_merges<'py>(
     scoring: Option<&Bound<'py, PyScoring>>,
 ) -> PyResult<Table<'py, f64>> {
     let (points, elements) = (workpiece.mesh.points.rows(), workpiece.mesh.elements.rows());
-    check_elements(elements, points.len())?;
-    let around = check_lists(&workpiece.around, points.len(), elements.len())?;
+    let pool = node_pairs(pairs.rows(), on_border.items(), points.len())?;
+    let ends = pairs.rows().iter().flat_map(|[goes, stays, _]| [*goes, *stays]);
+    let around = check_elements_around(&workpiece.around, ends, elements, points.len())?;
     let outside = workpiece.outside.items();
     require(outside.len() == points.len(), "each node needs one number of elements outside")?;
     let (normals, measures) = (normals.rows(), workpiece.values.rows());
     require(normals.len() == elements.len(), "each element needs one normal")?;
     require(measures.len() == elements.len(), "each element needs one row of measures")?;
-    let pool = node_pairs(pairs.rows(), on_border.items(), points.len())?;
     let genomes = genomes.rows();
     require(genomes.items.iter().all(|gene| *gene >= 0), "a gene is less than 0")?;
     let site = MergeSite {
@@ -96,6 +96,7 @@ fn rewire<'py>(
 ) -> PyResult<Rewired<'py>> {
     let (elements, target) = (elements.rows(), target.items());
     check_elements(elements, target.len())?;
+    check_rows(target, target.len(), "a node is merged into one that is not there")?;
     let rewiring = py.detach(|| merging::rewire(elements, target));
     Ok((
         to_list(py, rewiring.removed),
@@ -136,9 +137,9 @@ fn collapse_diagonals<'py>(
     free: List<'py, bool>,
 ) -> PyResult<ListedCandidates<'py>> {
     let (quads, points, elements) = (quads.items(), points.rows(), elements.rows());
-    check_elements(elements, points.len())?;
-    check_rows(quads, elements.len(), "there is no such element")?;
-    let around = check_lists(&around, points.len(), elements.len())?;
+    check_elements_at(quads, elements, points.len())?;
+    let corners = quads.iter().flat_map(|row| elements[*row as usize]).filter(|node| *node >= 0);
+    let around = check_elements_around(&around, corners, elements, points.len())?;
     let free = free.items();
     require(free.len() == points.len(), "each node is free or not")?;
     let list = py.detach(|| {
@@ -157,9 +158,8 @@ fn open_diagonals<'py>(
     around: (List<'py, i32>, List<'py, i32>),
 ) -> PyResult<ListedCandidates<'py>> {
     let (nodes, points, elements) = (nodes.items(), points.rows(), elements.rows());
-    check_elements(elements, points.len())?;
-    check_rows(nodes, points.len(), "there is no such node")?;
-    let around = check_lists(&around, points.len(), elements.len())?;
+    let asked = nodes.iter().copied();
+    let around = check_elements_around(&around, asked, elements, points.len())?;
     require(variants <= MOST_AROUND, "a node has no more than 12 edges to open at")?;
     let list = py.detach(|| {
         operations::open_diagonal::open_diagonals(nodes, variants, points, elements, around)

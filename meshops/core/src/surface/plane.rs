@@ -62,16 +62,19 @@ pub fn plane_of(points: &[Vector], facets: &[Facet], tolerance: f64) -> Plane {
 
 /// Longest side of the box around some points; there is one.
 pub fn extent(points: &[Vector]) -> f64 {
+    let (mut low, mut high, mut is_nan) = (points[0], points[0], [false; 3]);
+    for point in points {
+        for k in 0..3 {
+            low[k] = least(low[k], point[k]);
+            high[k] = greatest(high[k], point[k]);
+            is_nan[k] |= point[k].is_nan();
+        }
+    }
     let mut extent = 0.0;
     for k in 0..3 {
-        let (mut low, mut high) = (points[0][k], points[0][k]);
-        for point in points {
-            low = least(low, point[k]);
-            high = greatest(high, point[k]);
-        }
         // an axis with a place that is NaN has none
-        if points.iter().all(|point| !point[k].is_nan()) {
-            extent = greatest(extent, high - low);
+        if !is_nan[k] {
+            extent = greatest(extent, high[k] - low[k]);
         }
     }
     extent
