@@ -83,12 +83,12 @@ def improved(
 
 
 def processes(count: int) -> ProcessPoolExecutor:
-    """Start processes in which everything is compiled, so that no run waits for that."""
+    """Start processes in which everything is loaded, so that no run waits for that."""
     return ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=warm_up)
 
 
 def warm_up() -> None:
-    """Load or compile what the optimiser and every operation need."""
+    """Load what the optimiser and every operation need."""
     job = job_of("warm-up", plate(), size=SIZE, rounds=1)
     improve(job)
     workpiece = Workpiece(job.mesh, job.problem.setting)

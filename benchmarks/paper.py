@@ -93,7 +93,7 @@ def full(share: float) -> tuple[list[Row], dict[str, Any]]:
     """Time IntegrationGA, and the straightforward program of which a share is run."""
     from benchmarks.straightforward import straightforward
 
-    trial(1, {"generations": 0})  # compiles what is not yet, once
+    trial(1, {"generations": 0})  # loads what is needed, once
     ours = trial(1, {"workers": FULL_WORKERS})
     theirs = straightforward(plate(), SIZE, 1, share)
     ratio = theirs.seconds / ours.seconds
