@@ -28,19 +28,19 @@ impl Csr {
     /// List `i`.
     #[inline]
     pub fn list(&self, i: usize) -> &[i32] {
-        &self.items[self.start[i] as usize..self.start[i + 1] as usize]
+        self.view().list(i)
     }
 
     /// How many lists there are.
     #[inline]
     pub fn len(&self) -> usize {
-        self.start.len().saturating_sub(1)
+        self.view().len()
     }
 
     /// Whether there is no list.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.view().is_empty()
     }
 }
 

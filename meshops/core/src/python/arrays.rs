@@ -147,6 +147,21 @@ pub fn attribute<'py, T: FromPyObjectOwned<'py>>(
     object.getattr(name)?.extract().map_err(Into::into)
 }
 
+/// Take a struct from an object whose attributes are called like its fields; errors of a field, as
+/// of an array that does not fit, stay what they are.
+macro_rules! from_attributes {
+    ($name:ident { $($field:ident),+ }) => {
+        impl<'a, 'py> FromPyObject<'a, 'py> for $name<'py> {
+            type Error = PyErr;
+
+            fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+                Ok(Self { $($field: super::arrays::attribute(&object, stringify!($field))?),+ })
+            }
+        }
+    };
+}
+pub(super) use from_attributes;
+
 /// Rows as an array (n, W).
 pub fn to_rows<T: Item, const W: usize>(
     py: Python<'_>,

@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 
 use super::arrays::{
     Array, Grid, List, Rows, Table, attribute, check_elements, check_elements_around,
-    check_elements_at, check_lists, check_rows, check_starts, require, to_list, to_rows,
+    check_elements_at, check_lists, check_rows, check_starts, from_attributes, require, to_list,
+    to_rows,
 };
 use super::mesh::PyElementGraph;
 use super::quality::{PyScoring, exactly};
@@ -30,16 +31,7 @@ pub struct MeshArrays<'py> {
     pub elements: Rows<'py, i32, 4>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for MeshArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            points: attribute(&object, "points")?,
-            elements: attribute(&object, "elements")?,
-        })
-    }
-}
+from_attributes!(MeshArrays { points, elements });
 
 /// What candidates need of a `Topology`.
 struct TopologyArrays<'py> {
@@ -48,17 +40,7 @@ struct TopologyArrays<'py> {
     free_nodes: List<'py, bool>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for TopologyArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            graph: attribute(&object, "graph")?,
-            zones: attribute(&object, "zones")?,
-            free_nodes: attribute(&object, "free_nodes")?,
-        })
-    }
-}
+from_attributes!(TopologyArrays { graph, zones, free_nodes });
 
 /// What the evaluation of candidates needs of a `Workpiece`.
 struct EvaluationArrays<'py> {
@@ -71,21 +53,7 @@ struct EvaluationArrays<'py> {
     surface: SurfaceArrays<'py>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for EvaluationArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            mesh: attribute(&object, "mesh")?,
-            topology: attribute(&object, "topology")?,
-            around: attribute(&object, "around")?,
-            outside: attribute(&object, "outside")?,
-            values: attribute(&object, "values")?,
-            tally: attribute(&object, "tally")?,
-            surface: attribute(&object, "surface")?,
-        })
-    }
-}
+from_attributes!(EvaluationArrays { mesh, topology, around, outside, values, tally, surface });
 
 /// What the core needs of a `PatchSurface`.
 pub enum SurfaceArrays<'py> {
@@ -143,23 +111,17 @@ pub struct CandidateArrays<'py> {
     moved_to: Rows<'py, f64, 3>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for CandidateArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            removed_start: attribute(&object, "removed_start")?,
-            removed: attribute(&object, "removed")?,
-            added_start: attribute(&object, "added_start")?,
-            added: attribute(&object, "added")?,
-            point_start: attribute(&object, "point_start")?,
-            points: attribute(&object, "points")?,
-            moved_start: attribute(&object, "moved_start")?,
-            moved: attribute(&object, "moved")?,
-            moved_to: attribute(&object, "moved_to")?,
-        })
-    }
-}
+from_attributes!(CandidateArrays {
+    removed_start,
+    removed,
+    added_start,
+    added,
+    point_start,
+    points,
+    moved_start,
+    moved,
+    moved_to
+});
 
 impl CandidateArrays<'_> {
     /// The candidates, all rows of elements and nodes that they name being those of a mesh.

@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 
 use super::arrays::{
-    Array, Grid, List, Rows, Table, attribute, check_elements, check_elements_around,
-    check_elements_at, check_rows, require, to_list, to_rows,
+    Array, Grid, List, Rows, Table, check_elements, check_elements_around, check_elements_at,
+    check_rows, from_attributes, require, to_list, to_rows,
 };
 use super::candidates::{ListedCandidates, MeshArrays, NO_MESH, to_candidates};
 use super::quality::{PyScoring, exactly};
@@ -25,19 +25,7 @@ struct MergeArrays<'py> {
     tally: List<'py, f64>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for MergeArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            mesh: attribute(&object, "mesh")?,
-            around: attribute(&object, "around")?,
-            outside: attribute(&object, "outside")?,
-            values: attribute(&object, "values")?,
-            tally: attribute(&object, "tally")?,
-        })
-    }
-}
+from_attributes!(MergeArrays { mesh, around, outside, values, tally });
 
 #[pyfunction]
 fn evaluate_merges<'py>(

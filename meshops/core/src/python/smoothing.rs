@@ -4,8 +4,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::arrays::{
-    Array, List, Rows, Table, attribute, check_elements, check_lists, check_rows, require, to_list,
-    to_rows,
+    Array, List, Rows, Table, check_elements, check_lists, check_rows, from_attributes, require,
+    to_list, to_rows,
 };
 use super::candidates::{CandidateArrays, MeshArrays, SurfaceArrays};
 use super::quality::PyScoring;
@@ -68,30 +68,14 @@ pub struct CurveArrays<'py> {
     tolerance: f64,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for CurveArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            neighbours: attribute(&object, "neighbours")?,
-            segments: attribute(&object, "segments")?,
-            tolerance: attribute(&object, "tolerance")?,
-        })
-    }
-}
+from_attributes!(CurveArrays { neighbours, segments, tolerance });
 
 /// What relaxation needs of a `Topology`.
 struct FreeNodes<'py> {
     free_nodes: List<'py, bool>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for FreeNodes<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self { free_nodes: attribute(&object, "free_nodes")? })
-    }
-}
+from_attributes!(FreeNodes { free_nodes });
 
 /// What relaxation needs of a `Workpiece`.
 struct RelaxationArrays<'py> {
@@ -101,18 +85,7 @@ struct RelaxationArrays<'py> {
     surface: SurfaceArrays<'py>,
 }
 
-impl<'a, 'py> FromPyObject<'a, 'py> for RelaxationArrays<'py> {
-    type Error = PyErr;
-
-    fn extract(object: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        Ok(Self {
-            mesh: attribute(&object, "mesh")?,
-            topology: attribute(&object, "topology")?,
-            around: attribute(&object, "around")?,
-            surface: attribute(&object, "surface")?,
-        })
-    }
-}
+from_attributes!(RelaxationArrays { mesh, topology, around, surface });
 
 impl CurveArrays<'_> {
     fn curves(&self, nodes: usize) -> PyResult<Curves<'_>> {
