@@ -40,7 +40,7 @@ class LeftInRows:
         return cls(
             int(np.count_nonzero(left)),
             tuple(names),
-            rows_across(workpiece.mesh, left, workpiece.setting.feature_angle),
+            rows_across(workpiece.topology, left),
         )
 
     def words(self) -> str:

@@ -141,3 +141,22 @@ def _frozen(values: ArrayLike, dtype: type) -> NDArray[Any]:
     array: NDArray[Any] = np.array(values, dtype=dtype, order="C")
     array.flags.writeable = False
     return array
+
+
+def following(elements: Ints) -> Ints:
+    """(M, 4) int32: the node after each corner of elements (M, 4), around the element.
+
+    It means nothing where there is no corner.
+    """
+    after = np.roll(elements, -1, axis=1)
+    tria = elements[:, 3] == NO_NODE
+    after[tria, 2] = elements[tria, 0]
+    return after
+
+
+def centres_of(points: Floats, elements: Ints) -> Floats:
+    """(M, 3) mean corner of elements (M, 4)."""
+    is_corner = elements != NO_NODE
+    corners = points[elements] * is_corner[..., None]
+    means: Floats = corners.sum(axis=1) / is_corner.sum(axis=1)[:, None]
+    return means

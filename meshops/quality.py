@@ -122,24 +122,9 @@ def median_edge(mesh: ShellMesh) -> float:
     """Median length of the mesh's edges, each counted once; InputError for no element."""
     if not len(mesh.elements):
         raise InputError("the mesh has no element to take a size from: give the element size")
-    edges, _ = _edges(mesh.elements)
+    edges = _core.find_edges(mesh.elements, len(mesh.points))[0]
     vectors = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
     return float(np.median(np.linalg.norm(vectors, axis=1)))
-
-
-def _edges(elements: Ints) -> tuple[Ints, Ints]:
-    """Return the edges (E, 2), each once, and the (M, 4) edge of every side.
-
-    A tria's fourth side repeats its third.
-    """
-    corners = elements.copy()
-    is_tria = corners[:, 3] == NO_NODE
-    corners[is_tria, 3] = corners[is_tria, 2]
-    following = np.roll(corners, -1, axis=1)
-    following[is_tria, 2] = corners[is_tria, 0]
-    sides = np.sort(np.stack([corners, following], axis=2).reshape(-1, 2), axis=1)
-    edges, edge_of_side = np.unique(sides, axis=0, return_inverse=True)
-    return edges, edge_of_side.reshape(len(elements), 4).astype(np.int32)
 
 
 def chordal_deviation(mesh: ShellMesh, reference: ShellMesh) -> Floats:
@@ -151,11 +136,12 @@ def chordal_deviation(mesh: ShellMesh, reference: ShellMesh) -> Floats:
     trias = _trias(reference)
     if not len(trias):
         raise InputError("the reference surface has no element: chordal deviation needs one")
-    edges, edge_of_side = _edges(mesh.elements)
+    edges, element_edges = _core.find_edges(mesh.elements, len(mesh.points))[:2]
     others = np.flatnonzero(~_known_edges(mesh, edges, reference))
     distances = np.zeros(len(edges))
     distances[others] = _distances(mesh.points[edges[others]].mean(axis=1), reference, trias)
-    deviation: Floats = distances[edge_of_side].max(axis=1, initial=0.0)
+    of_sides = np.where(element_edges >= 0, distances[element_edges], 0.0)
+    deviation: Floats = of_sides.max(axis=1, initial=0.0)
     return deviation
 
 
@@ -168,7 +154,8 @@ def _known_edges(mesh: ShellMesh, edges: Ints, reference: ShellMesh) -> Bools:
     place = np.empty(len(both), np.int64)
     place[order] = np.cumsum(is_other)
     own = np.sort(place[len(reference.points) :][edges], axis=1)
-    known = np.sort(place[: len(reference.points)][_edges(reference.elements)[0]], axis=1)
+    of_reference = _core.find_edges(reference.elements, len(reference.points))[0]
+    known = np.sort(place[: len(reference.points)][of_reference], axis=1)
     base = len(both) + 1
     found: Bools = np.isin(own @ [base, 1], known @ [base, 1])
     return found

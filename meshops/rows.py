@@ -8,7 +8,7 @@ import numpy as np
 
 from meshops._core import find_edges
 from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
-from meshops.topology import topology
+from meshops.topology import Topology, topology
 
 MOST = 64
 """Rows after which a walk ends: what is wider is no strip."""
@@ -105,8 +105,7 @@ class Rows:
     @classmethod
     def of(cls, mesh: ShellMesh, feature_angle: float) -> Rows:
         """Find the rows of a mesh between its barriers."""
-        found = topology(mesh, feature_angle=feature_angle)
-        barriers = edge_keys(found.edges[~found.crossable], len(mesh.points))
+        barriers = barriers_of(topology(mesh, feature_angle=feature_angle), len(mesh.points))
         none = np.full(len(mesh.elements), -1, np.int64)
         walks = Walks.of(mesh.points, mesh.elements, none, barriers)
         kept = np.nonzero((walks.rows > 0) & _agree(walks))[0]
@@ -137,11 +136,15 @@ class Rows:
         return lost
 
 
-def rows_across(mesh: ShellMesh, chosen: Bools, feature_angle: float) -> tuple[int, int] | None:
+def barriers_of(found: Topology, nodes: int) -> Ids:
+    """Keys of the edges that a walk does not cross, of that many nodes."""
+    return edge_keys(found.edges[~found.crossable], nodes)
+
+
+def rows_across(found: Topology, chosen: Bools) -> tuple[int, int] | None:
     """Fewest and most quads across the strips that elements (M,) bool lie in; None for no strip."""
-    found = topology(mesh, feature_angle=feature_angle)
-    barriers = edge_keys(found.edges[~found.crossable], len(mesh.points))
-    part = np.where(chosen, 0, -1)
+    mesh, part = found.mesh, np.where(chosen, 0, -1)
+    barriers = barriers_of(found, len(mesh.points))
     rows = Walks.of(mesh.points, mesh.elements, part, barriers)
     narrow = rows.rows[(rows.part == 0) & (rows.rows > 0) & (rows.rows <= STRIP)]
     return (int(narrow.min()), int(narrow.max())) if len(narrow) else None

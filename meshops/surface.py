@@ -18,7 +18,7 @@ from meshops._core import (
     project,
     unit_normals,
 )
-from meshops.mesh import NO_NODE, Floats, Ints
+from meshops.mesh import NO_NODE, Floats, Ints, centres_of
 from meshops.patch import Patch
 
 PLANE_TOLERANCE = 1e-9
@@ -73,7 +73,7 @@ class PatchSurface:
         """(M, 3) surface normals under each element; None where one is farther off."""
         if self.plane is not None:
             return np.repeat(self.plane[None], len(elements), axis=0)
-        _, distance, tria = self._nearest(_centres(points, elements))
+        _, distance, tria = self._nearest(centres_of(points, elements))
         if distance.max() > tolerance:
             return None
         return unit_normals(self.points, _as_elements(self.trias[tria]))
@@ -122,14 +122,6 @@ class PatchSurface:
 
     def _nearest(self, queries: Floats) -> tuple[Floats, Floats, Ints]:
         return self.tree.nearest(queries)
-
-
-def _centres(points: Floats, elements: Ints) -> Floats:
-    corners = points[elements]
-    tria = elements[:, 3] < 0
-    corners[tria, 3] = 0.0
-    centres: Floats = corners.sum(axis=1) / np.where(tria, 3.0, 4.0)[:, None]
-    return centres
 
 
 def _as_elements(trias: Ints) -> Ints:

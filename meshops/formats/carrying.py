@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from meshops.formats.difference import Difference, compare
 from meshops.formats.ids import IdSet
-from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, ShellMesh
+from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, ShellMesh, centres_of
 
 NEAREST = 8
 """Elements by their centre, and nodes, that are looked at around a place."""
@@ -62,7 +62,7 @@ class Carried:
         element_rows = _rows(before.element_ids, after.element_ids)
         new = np.flatnonzero(element_rows < 0)
         if len(new):
-            centres = _centres(after)[new]
+            centres = centres_of(after.points, after.elements)[new]
             element_rows[new] = _Hosts(before).at(centres, after.region[new])[0]
         return cls(before, after, difference, node_rows, element_rows)
 
@@ -148,7 +148,7 @@ class _Hosts:
 
     def __init__(self, mesh: ShellMesh) -> None:
         self._mesh = mesh
-        self._centres = _centres(mesh)
+        self._centres = centres_of(mesh.points, mesh.elements)
         corner = mesh.elements != NO_NODE
         nodes = mesh.elements[corner]
         order = np.argsort(nodes, kind="stable")
@@ -229,14 +229,6 @@ def _nearest_on_trias(place: Floats, corners: Floats) -> tuple[Floats, Floats]:
     flat = np.stack([1.0 - s - t, s, t], axis=1)
     offer(flat, (scale > 0.0) & (flat >= 0.0).all(axis=1))
     return best, least
-
-
-def _centres(mesh: ShellMesh) -> Floats:
-    last = np.where(mesh.is_tria, mesh.elements[:, 2], mesh.elements[:, 3])
-    four: Floats = mesh.points[np.column_stack([mesh.elements[:, :3], last])]
-    weight = np.where(mesh.is_tria, 0.0, 1.0)[:, None]
-    centres: Floats = (four[:, :3].sum(axis=1) + weight * four[:, 3]) / (3.0 + weight)
-    return centres
 
 
 def _rows(known: Ids, ids: Ids) -> Ids:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from meshops.formats.difference import Difference
-from meshops.mesh import NEW, NO_NODE, Bools, Floats, Ids, Ints, ShellMesh
+from meshops.mesh import NEW, Bools, Floats, Ids, Ints, ShellMesh, centres_of
 from meshops.topology import element_normals, topology
 
 AGREEMENT = 20.0
@@ -49,7 +49,7 @@ class MaterialDirections:
         rows = np.flatnonzero(np.isfinite(angles))
         return cls(
             directions=_directions(mesh, angles)[rows],
-            centres=_centres(mesh, rows),
+            centres=centres_of(mesh.points, mesh.elements[rows]),
             region=mesh.region[rows],
             element_ids=mesh.element_ids[rows],
             angles=angles[rows],
@@ -75,7 +75,7 @@ class MaterialDirections:
 
     def _nearest(self, mesh: ShellMesh, rows: Ids) -> Ids:
         """(R,) the original element nearest to each of some rows among those of its region."""
-        centres = _centres(mesh, rows)
+        centres = centres_of(mesh.points, mesh.elements[rows])
         found = np.zeros(len(rows), np.int64)
         for region in np.unique(mesh.region[rows]):
             mine = np.flatnonzero(self.region == region)
@@ -154,15 +154,6 @@ def _axes(mesh: ShellMesh) -> tuple[Floats, Floats]:
     length = np.linalg.norm(along, axis=1, keepdims=True)
     along = np.divide(along, length, out=np.zeros_like(along), where=length > 0)
     return along, np.cross(normals, along)
-
-
-def _centres(mesh: ShellMesh, rows: Ids) -> Floats:
-    """(R, 3) mean corner of each element."""
-    elements = mesh.elements[rows]
-    is_corner = elements != NO_NODE
-    corners = np.where(is_corner[..., None], mesh.points[elements], 0.0)
-    centres: Floats = corners.sum(axis=1) / is_corner.sum(axis=1, keepdims=True)
-    return centres
 
 
 def _dot(u: Floats, v: Floats) -> Floats:

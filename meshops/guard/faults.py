@@ -22,7 +22,7 @@ from meshops.criteria import (
     TAPER,
     WARPAGE,
 )
-from meshops.mesh import NO_NODE, Bools, Floats, Ints
+from meshops.mesh import NO_NODE, Bools, Floats, Ints, centres_of
 from meshops.workpiece import Setting
 
 SHAPE_LIMITS = (
@@ -68,7 +68,7 @@ def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
         scoring = replace(scoring, growth=(0.0,) * 6)
     values = measure_elements(points, elements, scoring.sizing)
     if setting.gradation is not None:
-        local = setting.gradation.at(centres(points, elements))
+        local = setting.gradation.at(centres_of(points, elements))
         values[:, [MIN_SIZE, MAX_LENGTH]] *= (scoring.size / local)[:, None]
     penalties = penalise(values, scoring.core)
     limit = scoring.penalties[3] + SLACK
@@ -88,14 +88,6 @@ def appraise(points: Floats, elements: Ints, setting: Setting) -> Appraisal:
         fails=fails[:, shapes].any(axis=1),
         jacobian=_scaled_jacobian(values, elements[:, 3] == NO_NODE),
     )
-
-
-def centres(points: Floats, elements: Ints) -> Floats:
-    """(K, 3) mean corner of elements."""
-    is_node = elements != NO_NODE
-    corners = points[elements] * is_node[..., None]
-    middle: Floats = corners.sum(axis=1) / is_node.sum(axis=1)[:, None]
-    return middle
 
 
 def _by_limit(severity: Floats, limits: tuple[tuple[int, ...], ...]) -> Floats:

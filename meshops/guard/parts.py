@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from meshops.guard.correspondence import Change
-from meshops.mesh import NO_NODE, Bools, Ids, Ints, ShellMesh
+from meshops.mesh import NO_NODE, Bools, Ids, Ints, ShellMesh, following
 
 
 def parts_of(mesh: ShellMesh, change: Change, was: Bools, now: Bools) -> tuple[Ids, Ids, int]:
@@ -36,11 +36,8 @@ def parts_of(mesh: ShellMesh, change: Change, was: Bools, now: Bools) -> tuple[I
 
 def _sides_of(elements: Ints) -> tuple[Ids, Ints, Ints]:
     """Element, first and last node of each side."""
-    following = np.roll(elements, -1, axis=1)
-    tria = elements[:, 3] == NO_NODE
-    following[tria, 2] = elements[tria, 0]
     row, side = np.nonzero(elements != NO_NODE)
-    return row, elements[row, side], following[row, side]
+    return row, elements[row, side], following(elements)[row, side]
 
 
 def _chained(owner: Ids, key: Ids) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from meshops._core import find_edges
 from meshops.criteria import MAX_LENGTH, MIN_SIZE, SLACK
 from meshops.guard.faults import Appraisal
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, following
 from meshops.quality import element_areas
 from meshops.subdomain import Aim
 from meshops.workpiece import Setting
@@ -253,10 +253,9 @@ def _leaves_gradation(before: Side, after: Side, setting: Setting) -> Bools:
 
 def _edges(side: Side) -> tuple[Floats, Floats, Ids]:
     """Middles (E, 3), lengths (E,) and parts (E,) of all edges, those of two elements twice."""
-    following = np.roll(side.elements, -1, axis=1)
-    following[side.is_tria, 2] = side.elements[side.is_tria, 0]
     row, corner = np.nonzero(side.elements != NO_NODE)
-    start, end = side.points[side.elements[row, corner]], side.points[following[row, corner]]
+    start = side.points[side.elements[row, corner]]
+    end = side.points[following(side.elements)[row, corner]]
     return (start + end) / 2.0, np.linalg.norm(end - start, axis=1), side.part[row]
 
 

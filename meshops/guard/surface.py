@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from meshops._core import as_trias, bounding_spheres, nearest, unit_normals
+from meshops._core import FacetTree, as_trias, unit_normals
 from meshops.guard.correspondence import Change
-from meshops.guard.faults import centres
 from meshops.guard.rules import Side
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, centres_of, following
 from meshops.workpiece import Workpiece
 
 OFF = 0.01
@@ -76,36 +75,26 @@ def _differs(points: Floats, old: Ints, points_now: Floats, new: Ints, most: flo
     is_node = old != NO_NODE
     np.minimum.at(at_node, old[is_node], np.broadcast_to(local[:, None], old.shape)[is_node])
     left, nodes = np.unique(old[is_node]), np.unique(new[new != NO_NODE])
-
-    def off(places: Floats) -> float:
-        distance, owner = _nearest(places, points, old)
-        return float((distance / local[owner]).max(initial=0.0))
-
-    def back(places: Floats, edges: Floats) -> float:
-        return float((_nearest(places, points_now, new)[0] / edges).max(initial=0.0))
-
-    return (
-        off(points_now[nodes]) > most
-        or off(centres(points_now, new)) > most
-        or back(points[left], at_node[left]) > most
-        or back(centres(points, old), local) > most
+    came = np.concatenate([points_now[nodes], centres_of(points_now, new)])
+    went = np.concatenate([points[left], centres_of(points, old)])
+    distance, owner = _nearest(came, points, old)
+    back, _ = _nearest(went, points_now, new)
+    return bool(
+        (distance / local[owner]).max(initial=0.0) > most
+        or (back / np.concatenate([at_node[left], local])).max(initial=0.0) > most
     )
 
 
 def _nearest(places: Floats, points: Floats, elements: Ints) -> tuple[Floats, Ids]:
     """Distance of places (K, 3) from the surface of elements, and the element that is nearest."""
-    trias = as_trias(points, elements)
-    _, distance, tria = nearest(places, points, trias, bounding_spheres(points, trias))
+    _, distance, tria = FacetTree(points, as_trias(points, elements)).nearest(places)
     owner = np.repeat(np.arange(len(elements)), np.where(elements[:, 3] == NO_NODE, 1, 2))
     return distance, owner[tria]
 
 
 def _local_edges(points: Floats, elements: Ints) -> Floats:
     """(K,) shortest side of each element, or half of their mean: a needle's says little."""
-    following = np.roll(elements, -1, axis=1)
-    tria = elements[:, 3] == NO_NODE
-    following[tria, 2] = elements[tria, 0]
-    lengths = np.linalg.norm(points[following] - points[elements], axis=2)
-    lengths[tria, 3] = np.nan
+    lengths = np.linalg.norm(points[following(elements)] - points[elements], axis=2)
+    lengths[elements == NO_NODE] = np.nan
     local: Floats = np.maximum(np.nanmin(lengths, axis=1), 0.5 * np.nanmean(lengths, axis=1))
     return np.maximum(local, np.finfo(float).tiny)

@@ -21,7 +21,7 @@ from meshops._core import (
 )
 from meshops.edit import Edit
 from meshops.fitness import IRREGULARITY
-from meshops.mesh import NO_NODE, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Floats, Ids, Ints, following
 from meshops.patch import Patch, components, extract, join, stitch
 from meshops.quality_sums import TALLY_SIZE
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
@@ -258,10 +258,7 @@ def _doubles_an_edge(workpiece: Workpiece, patch: Patch, elements: Ints) -> bool
     outer = topology.edges[~own & on_border[topology.edges].all(axis=1)].astype(np.int64)
     if not len(outer):
         return False
-    following = np.roll(elements, -1, axis=1)
-    tria = elements[:, 3] == NO_NODE
-    following[tria, 2] = elements[tria, 0]
-    sides = np.stack([elements, following], axis=2).reshape(-1, 2)
+    sides = np.stack([elements, following(elements)], axis=2).reshape(-1, 2)
     across = ((sides >= 0) & (sides < patch.border_nodes)).all(axis=1)
     ends = np.sort(nodes[sides[across]], axis=1).astype(np.int64)
     return bool(np.isin(ends[:, 0] * count + ends[:, 1], outer[:, 0] * count + outer[:, 1]).any())

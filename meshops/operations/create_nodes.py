@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from meshops import _core
-from meshops.mesh import Floats, Ints
+from meshops.mesh import centres_of
 from meshops.operations.candidates import Candidates
 from meshops.operations.places import nearest_first
 from meshops.operations.relax import relax
@@ -40,7 +40,10 @@ class CreateNodes(SiteOperation):
         groups = np.full((len(one) + len(two), 3), -1, np.int32)
         groups[: len(one), 0], groups[len(one) :, :2] = one, two
         points = np.concatenate(
-            [_centres(workpiece, one), mesh.points[topology.edges[edges]].mean(axis=1)]
+            [
+                centres_of(mesh.points, mesh.elements[one]),
+                mesh.points[topology.edges[edges]].mean(axis=1),
+            ]
         )
         nearest = nearest_first(workpiece, groups)[: self.pool]
         groups, points = groups[nearest], points[nearest]
@@ -55,12 +58,3 @@ class CreateNodes(SiteOperation):
                 np.repeat(points, self.variants, axis=0)[:, None],
             ),
         )
-
-
-def _centres(workpiece: Workpiece, rows: Ints) -> Floats:
-    """(S, 3) means of the corners of some elements."""
-    elements = workpiece.mesh.elements[rows]
-    is_corner = elements >= 0
-    corners = workpiece.mesh.points[elements] * is_corner[..., None]
-    means: Floats = corners.sum(axis=1) / is_corner.sum(axis=1)[:, None]
-    return means

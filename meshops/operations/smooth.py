@@ -9,7 +9,7 @@ import numpy as np
 
 from meshops._core import NodeSearch
 from meshops.edit import Edit
-from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints
+from meshops.mesh import NO_NODE, Bools, Floats, Ids, Ints, following
 from meshops.remeshing import LEAST_CORNER, SURFACE_TOLERANCE
 from meshops.workpiece import Workpiece
 
@@ -171,9 +171,6 @@ def _places(genome: Ids) -> Ints:
 
 
 def _mean_edge(points: Floats, elements: Ints) -> float:
-    following = np.roll(elements, -1, axis=1)
-    tria = elements[:, 3] == NO_NODE
-    following[tria, 2] = elements[tria, 0]
-    is_side = (elements != NO_NODE) & (following != NO_NODE)
-    vectors = points[following[is_side]] - points[elements[is_side]]
+    is_side = elements != NO_NODE
+    vectors = points[following(elements)[is_side]] - points[elements[is_side]]
     return float(np.linalg.norm(vectors, axis=1).mean())
